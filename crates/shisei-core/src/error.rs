@@ -1,0 +1,285 @@
+//! What can be wrong, and the sentence that says so.
+//!
+//! One small `Copy` enum; a door adds the place (file, line, cell) it knows. The three kinds are the three
+//! cell errors of a spreadsheet and the negative codes of the C ABI.
+
+use core::fmt;
+
+/// Result of a core function.
+pub type Result<T> = core::result::Result<T, Error>;
+
+/// Language of a sentence.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Lang {
+    /// English.
+    #[default]
+    En,
+    /// Japanese.
+    Ja,
+}
+
+/// The kind of an error, which decides the cell error, the exit code and the C return value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Wrong shape or type: `#VALUE!`, exit 2, −1.
+    Shape,
+    /// Out of the function's domain: `#NUM!`, exit 2, −2.
+    Domain,
+    /// The data do not meet a condition: `#N/A`, exit 1, −3.
+    Condition,
+}
+
+/// A face of a sensor: the axis that points up while it rests.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Face {
+    /// 0, 1, 2 for x, y, z.
+    pub axis: u8,
+    /// True for the positive axis up.
+    pub positive: bool,
+}
+
+impl fmt::Display for Face {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let sign = if self.positive { '+' } else { '-' };
+        write!(f, "{sign}{}", ['x', 'y', 'z'][usize::from(self.axis.min(2))])
+    }
+}
+
+/// Why a core function refused. Rows count from 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Error {
+    /// A series has no rows.
+    Empty,
+    /// Two series that belong together differ in length.
+    LengthMismatch {
+        /// Rows of the first.
+        first: usize,
+        /// Rows of the second.
+        second: usize,
+    },
+    /// A number is NaN or infinite.
+    NotFinite {
+        /// Row of the number.
+        row: usize,
+    },
+    /// A quaternion has norm zero.
+    ZeroQuaternion {
+        /// Row of the quaternion.
+        row: usize,
+    },
+    /// A rotation axis has norm zero.
+    ZeroAxis,
+    /// A matrix is not a rotation.
+    NotARotation,
+    /// A parameter must be greater than zero.
+    NotPositive {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A parameter must not be negative.
+    Negative {
+        /// Its name.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// Parameters must ascend in a stated order.
+    OutOfOrder {
+        /// The rule, as an inequality.
+        rule: &'static str,
+    },
+    /// No window of the series is stable.
+    NotStable {
+        /// The largest variance of an axis, (m/s²)².
+        variance: f64,
+        /// The mean norm, m/s².
+        mean_norm: f64,
+    },
+    /// Six-face calibration: no stable window belongs to this face.
+    FaceMissing {
+        /// The face.
+        face: Face,
+    },
+    /// Six-face calibration: a scale lies outside its bounds.
+    ScaleOutOfBounds {
+        /// 0, 1, 2 for x, y, z.
+        axis: u8,
+        /// The scale found.
+        scale: f64,
+    },
+    /// A fit has too few points.
+    TooFewPoints {
+        /// Points given.
+        given: usize,
+        /// Points needed.
+        needed: usize,
+    },
+    /// A fit's points do not determine its answer (all alike, or in one plane or line).
+    Degenerate,
+    /// An iteration did not converge.
+    NoConvergence,
+}
+
+impl Error {
+    /// Which of the three kinds this is.
+    pub fn kind(self) -> Kind {
+        match self {
+            Error::Empty | Error::LengthMismatch { .. } => Kind::Shape,
+            Error::NotFinite { .. }
+            | Error::ZeroQuaternion { .. }
+            | Error::ZeroAxis
+            | Error::NotARotation
+            | Error::NotPositive { .. }
+            | Error::Negative { .. }
+            | Error::OutOfOrder { .. } => Kind::Domain,
+            Error::NotStable { .. }
+            | Error::FaceMissing { .. }
+            | Error::ScaleOutOfBounds { .. }
+            | Error::TooFewPoints { .. }
+            | Error::Degenerate
+            | Error::NoConvergence => Kind::Condition,
+        }
+    }
+
+    /// The sentence in a language: what was wrong, where, what was expected, what to do.
+    pub fn sentence(self, lang: Lang) -> Sentence {
+        Sentence { error: self, lang }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.sentence(Lang::En).fmt(f)
+    }
+}
+
+impl core::error::Error for Error {}
+
+/// An error with its language; `Display` writes the sentence.
+#[derive(Clone, Copy, Debug)]
+pub struct Sentence {
+    error: Error,
+    lang: Lang,
+}
+
+impl fmt::Display for Sentence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.lang {
+            Lang::En => english(self.error, f),
+            Lang::Ja => japanese(self.error, f),
+        }
+    }
+}
+
+fn axis_name(axis: u8) -> char {
+    ['x', 'y', 'z'][usize::from(axis.min(2))]
+}
+
+fn english(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match error {
+        Error::Empty => write!(f, "the series has no rows; give at least one sample"),
+        Error::LengthMismatch { first, second } => {
+            write!(f, "the series have {first} and {second} rows; give series of equal length")
+        }
+        Error::NotFinite { row } => {
+            write!(f, "row {} has a value that is not a finite number; remove or repair it", row + 1)
+        }
+        Error::ZeroQuaternion { row } => write!(
+            f,
+            "the quaternion in row {} is zero and has no direction; give w, x, y, z of a rotation",
+            row + 1
+        ),
+        Error::ZeroAxis => write!(f, "the rotation axis is zero; give an axis with a direction"),
+        Error::NotARotation => {
+            write!(f, "the matrix is not a rotation; its rows must be orthonormal and right-handed")
+        }
+        Error::NotPositive { name, value } => {
+            write!(f, "{name} is {value}; it must be greater than 0")
+        }
+        Error::Negative { name, value } => write!(f, "{name} is {value}; it must be 0 or more"),
+        Error::OutOfOrder { rule } => write!(f, "the thresholds are out of order; needed: {rule}"),
+        Error::NotStable { variance, mean_norm } => write!(
+            f,
+            "the sensor was not at rest: largest variance {variance:.6}, mean norm {mean_norm:.6}; \
+             choose still samples or wider limits"
+        ),
+        Error::FaceMissing { face } => write!(
+            f,
+            "no stable window with {face} up was found; rest the sensor on that face for the window's \
+             length, or raise varThreshold or maxTiltRad"
+        ),
+        Error::ScaleOutOfBounds { axis, scale } => write!(
+            f,
+            "the scale found for axis {} is {scale:.6}, outside its bounds; check the unit and the \
+             gravity, or widen minAccScale and maxAccScale",
+            axis_name(axis)
+        ),
+        Error::TooFewPoints { given, needed } => {
+            write!(f, "{given} points were given and {needed} are needed; measure more")
+        }
+        Error::Degenerate => write!(
+            f,
+            "the points do not determine the answer (all alike, or in one line or plane); measure in \
+             directions that differ more"
+        ),
+        Error::NoConvergence => write!(f, "the fit did not converge; check the data and their unit"),
+    }
+}
+
+fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match error {
+        Error::Empty => write!(f, "系列に行がありません。1 サンプル以上を指定してください"),
+        Error::LengthMismatch { first, second } => {
+            write!(f, "系列の行数が {first} と {second} で異なります。同じ行数にしてください")
+        }
+        Error::NotFinite { row } => {
+            write!(f, "{} 行目に有限でない数値があります。取り除くか修正してください", row + 1)
+        }
+        Error::ZeroQuaternion { row } => write!(
+            f,
+            "{} 行目のクォータニオンがゼロで、向きが決まりません。回転を表す w, x, y, z を指定してください",
+            row + 1
+        ),
+        Error::ZeroAxis => write!(f, "回転軸がゼロです。向きのある軸を指定してください"),
+        Error::NotARotation => {
+            write!(f, "回転行列ではありません。各行が正規直交で右手系である必要があります")
+        }
+        Error::NotPositive { name, value } => {
+            write!(f, "{name} が {value} です。0 より大きい値にしてください")
+        }
+        Error::Negative { name, value } => {
+            write!(f, "{name} が {value} です。0 以上の値にしてください")
+        }
+        Error::OutOfOrder { rule } => {
+            write!(f, "しきい値の順序が正しくありません。必要な条件: {rule}")
+        }
+        Error::NotStable { variance, mean_norm } => write!(
+            f,
+            "センサが静止していません (最大分散 {variance:.6}、平均ノルム {mean_norm:.6})。\
+             静止したサンプルを選ぶか、しきい値を広げてください"
+        ),
+        Error::FaceMissing { face } => write!(
+            f,
+            "{face} を上にした安定区間が見つかりません。その面で窓の長さだけ静止させるか、\
+             varThreshold または maxTiltRad を大きくしてください"
+        ),
+        Error::ScaleOutOfBounds { axis, scale } => write!(
+            f,
+            "{} 軸のスケール {scale:.6} が範囲外です。単位と重力加速度を確認するか、\
+             minAccScale と maxAccScale を広げてください",
+            axis_name(axis)
+        ),
+        Error::TooFewPoints { given, needed } => {
+            write!(f, "点が {given} 個しかありません ({needed} 個必要)。計測を増やしてください")
+        }
+        Error::Degenerate => write!(
+            f,
+            "点の配置から答えが決まりません (同一、または一直線・一平面上)。もっと異なる向きで計測してください"
+        ),
+        Error::NoConvergence => {
+            write!(f, "最適化が収束しませんでした。データと単位を確認してください")
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! Attitude, calibration and motion from accelerometer and gyroscope readings.
+//!
+//! Conventions, everywhere in shisei:
+//! - quaternions are Hamilton's, ordered w, x, y, z, of unit norm; `world_from_body` turns body (sensor)
+//!   coordinates into world coordinates: `v_world = q v_body q*`;
+//! - the world is right-handed with z up; a level accelerometer at rest reads (0, 0, +9.80665) m/s²;
+//! - angles are radians, rates rad/s, accelerations m/s², times s; yaw, pitch, roll are Z-Y-X intrinsic;
+//! - a series has one sample a row; row k of a result is the state after sample k.
+//!
+//! The same input gives the same bits on every target: f64 only, no fused multiply-add, a fixed order of
+//! operations, and all transcendental functions through [`math`].
+#![cfg_attr(not(test), no_std)]
+#![warn(missing_docs)]
+
+#[cfg(feature = "alloc")]
+extern crate alloc;
+
+pub mod error;
+pub mod euler;
+pub mod math;
+pub mod quaternion;
+pub mod vector;
+
+pub use error::{Error, Lang, Result};
+pub use euler::Ypr;
+pub use quaternion::Quaternion;
+pub use vector::Vec3;
+
+/// Standard gravity, m/s² (CGPM 1901): the default wherever a gravity can be given.
+pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;

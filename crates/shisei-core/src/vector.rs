@@ -1,0 +1,46 @@
+//! Three-vectors as plain arrays, and the few operations on them.
+
+/// A vector x, y, z. The unit and the frame are in the name of the variable.
+pub type Vec3 = [f64; 3];
+
+/// a + b.
+#[inline]
+pub fn add(a: Vec3, b: Vec3) -> Vec3 {
+    [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
+}
+
+/// a − b.
+#[inline]
+pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
+    [a[0] - b[0], a[1] - b[1], a[2] - b[2]]
+}
+
+/// s a.
+#[inline]
+pub fn scale(a: Vec3, s: f64) -> Vec3 {
+    [a[0] * s, a[1] * s, a[2] * s]
+}
+
+/// a · b.
+#[inline]
+pub fn dot(a: Vec3, b: Vec3) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// a × b.
+#[inline]
+pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// |a|.
+#[inline]
+pub fn norm(a: Vec3) -> f64 {
+    crate::math::sqrt(dot(a, a))
+}
+
+/// True when all three components are finite.
+#[inline]
+pub fn is_finite(a: Vec3) -> bool {
+    a[0].is_finite() && a[1].is_finite() && a[2].is_finite()
+}
