@@ -38,6 +38,25 @@ pub struct Face {
     pub positive: bool,
 }
 
+impl Face {
+    /// All six, in the order +x, −x, +y, −y, +z, −z.
+    pub const ALL: [Face; 6] = [
+        Face { axis: 0, positive: true },
+        Face { axis: 0, positive: false },
+        Face { axis: 1, positive: true },
+        Face { axis: 1, positive: false },
+        Face { axis: 2, positive: true },
+        Face { axis: 2, positive: false },
+    ];
+
+    /// The unit vector of the axis, in sensor coordinates.
+    pub fn unit(self) -> [f64; 3] {
+        let mut v = [0.0; 3];
+        v[usize::from(self.axis.min(2))] = if self.positive { 1.0 } else { -1.0 };
+        v
+    }
+}
+
 impl fmt::Display for Face {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let sign = if self.positive { '+' } else { '-' };
@@ -85,6 +104,25 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// A parameter lies outside its range.
+    OutOfRange {
+        /// The rule, as an inequality with the parameter's name.
+        rule: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// An acceleration is zero and shows no direction.
+    ZeroAcceleration,
+    /// An axis is too near to the vertical to have a heading.
+    AxisNearVertical {
+        /// Its angle from the vertical, rad.
+        angle_rad: f64,
+    },
+    /// No rest of the needed length was found.
+    NoRest {
+        /// The needed length, s.
+        needed_s: f64,
+    },
     /// Parameters must ascend in a stated order.
     OutOfOrder {
         /// The rule, as an inequality.
@@ -131,15 +169,28 @@ impl Error {
             | Error::ZeroQuaternion { .. }
             | Error::ZeroAxis
             | Error::NotARotation
+            | Error::ZeroAcceleration
+            | Error::OutOfRange { .. }
             | Error::NotPositive { .. }
             | Error::Negative { .. }
             | Error::OutOfOrder { .. } => Kind::Domain,
             Error::NotStable { .. }
+            | Error::AxisNearVertical { .. }
+            | Error::NoRest { .. }
             | Error::FaceMissing { .. }
             | Error::ScaleOutOfBounds { .. }
             | Error::TooFewPoints { .. }
             | Error::Degenerate
             | Error::NoConvergence => Kind::Condition,
+        }
+    }
+
+    /// The same error with the row of a series in place of row 0.
+    pub fn at_row(self, row: usize) -> Self {
+        match self {
+            Error::NotFinite { .. } => Error::NotFinite { row },
+            Error::ZeroQuaternion { .. } => Error::ZeroQuaternion { row },
+            other => other,
         }
     }
 
@@ -199,6 +250,23 @@ fn english(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             write!(f, "{name} is {value}; it must be greater than 0")
         }
         Error::Negative { name, value } => write!(f, "{name} is {value}; it must be 0 or more"),
+        Error::OutOfRange { rule, value } => {
+            write!(f, "a parameter is {value}, out of its range; needed: {rule}")
+        }
+        Error::ZeroAcceleration => write!(
+            f,
+            "the acceleration is zero and does not show where up is; give one that contains gravity"
+        ),
+        Error::AxisNearVertical { angle_rad } => write!(
+            f,
+            "the axis stands {:.1} degrees from the vertical and has no heading; choose an axis that lies \
+             nearer to the horizontal at the start",
+            angle_rad.to_degrees()
+        ),
+        Error::NoRest { needed_s } => write!(
+            f,
+            "no rest of {needed_s} s or more was found; keep the sensor still at the start, or state the rest"
+        ),
         Error::OutOfOrder { rule } => write!(f, "the thresholds are out of order; needed: {rule}"),
         Error::NotStable { variance, mean_norm } => write!(
             f,
@@ -252,6 +320,22 @@ fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::Negative { name, value } => {
             write!(f, "{name} が {value} です。0 以上の値にしてください")
         }
+        Error::OutOfRange { rule, value } => {
+            write!(f, "パラメータの値 {value} が範囲外です。必要な条件: {rule}")
+        }
+        Error::ZeroAcceleration => {
+            write!(f, "加速度がゼロのため上向きが決まりません。重力を含む加速度を指定してください")
+        }
+        Error::AxisNearVertical { angle_rad } => write!(
+            f,
+            "指定した軸が鉛直から {:.1} 度しか離れておらず、方位が決まりません。\
+             開始時に水平に近い軸を選んでください",
+            angle_rad.to_degrees()
+        ),
+        Error::NoRest { needed_s } => write!(
+            f,
+            "{needed_s} 秒以上の静止区間が見つかりません。開始時にセンサを静止させるか、静止区間を指定してください"
+        ),
         Error::OutOfOrder { rule } => {
             write!(f, "しきい値の順序が正しくありません。必要な条件: {rule}")
         }

@@ -29,6 +29,19 @@ impl Ypr {
     }
 }
 
+impl From<Quaternion> for Ypr {
+    fn from(q: Quaternion) -> Self {
+        q.to_ypr()
+    }
+}
+
+impl From<Quaternion> for [f64; 3] {
+    /// `[yaw, pitch, roll]`, rad.
+    fn from(q: Quaternion) -> Self {
+        q.to_ypr().to_array()
+    }
+}
+
 impl Quaternion {
     /// From yaw, pitch, roll; of unit norm to rounding.
     pub fn from_ypr(ypr: Ypr) -> Self {

@@ -17,11 +17,16 @@ extern crate alloc;
 
 pub mod error;
 pub mod euler;
+pub mod filter;
+pub mod heading;
+pub mod initial;
 pub mod math;
 pub mod quaternion;
+pub mod relative;
+pub mod rest;
 pub mod vector;
 
-pub use error::{Error, Lang, Result};
+pub use error::{Error, Face, Kind, Lang, Result};
 pub use euler::Ypr;
 pub use quaternion::Quaternion;
 pub use vector::Vec3;

@@ -20,6 +20,22 @@ pub struct Quaternion {
     pub z: f64,
 }
 
+impl From<Quaternion> for [f64; 4] {
+    /// `[w, x, y, z]`.
+    #[inline]
+    fn from(q: Quaternion) -> Self {
+        q.to_array()
+    }
+}
+
+impl From<[f64; 4]> for Quaternion {
+    /// From `[w, x, y, z]`; not normalised.
+    #[inline]
+    fn from(q: [f64; 4]) -> Self {
+        Quaternion::from_array(q)
+    }
+}
+
 impl Quaternion {
     /// No rotation.
     pub const IDENTITY: Quaternion = Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 };

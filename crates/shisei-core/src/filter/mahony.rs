@@ -1,0 +1,158 @@
+//! Mahony's complementary filter on the rotation group, with exact steps.
+//!
+//! R. Mahony, T. Hamel, J.-M. Pflimlin, "Nonlinear Complementary Filters on the Special Orthogonal Group",
+//! IEEE Trans. Automatic Control 53 (2008). With v = q* (0,0,1) q, the world's z in body axes, and â = a/|a|:
+//!
+//! ```text
+//! e = â × v;   i ← i + ki e dt;   ω' = ω + kp e + i;   q ← normalise(q ⊗ exp(ω' dt / 2))
+//! ```
+//!
+//! From one sample to the next only q (and i) must wait; all that depends on the sample alone, the square
+//! root and the division of 1/|a| with it, is prepared a block at a time before the chain.
+
+use super::exponential::{advance, direction};
+use super::gyro::half_turn;
+use super::{BLOCK, Dt, Filter, not_negative};
+use crate::error::Result;
+use crate::quaternion::Quaternion;
+use crate::vector::{self, Vec3};
+
+/// Mahony's filter with constant gains.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mahony {
+    kp: f64,
+    chain: Chain,
+}
+
+impl Mahony {
+    /// Starts from an attitude (normalised here), with integral zero.
+    ///
+    /// - `kp`, 1/s, ≥ 0: how fast tilt follows the accelerometer; 1/kp is the time constant. Small values trust
+    ///   the gyroscope (0.2 suits people's movements with a rest bias removed), large ones the accelerometer
+    ///   (2 in the worked example of the worksheet functions).
+    /// - `ki`, 1/s², ≥ 0: how fast the integral learns a constant gyroscope bias; 0 switches it off.
+    ///
+    /// Gravity's size plays no part: accelerations enter by their direction only.
+    pub fn new(world_from_body: Quaternion, kp: f64, ki: f64) -> Result<Self> {
+        Ok(Mahony {
+            kp: not_negative("kp", kp)?,
+            chain: Chain::new(world_from_body, not_negative("ki", ki)?)?,
+        })
+    }
+
+    /// The integral i, rad/s in body axes: minus the gyroscope bias learnt so far.
+    pub fn integral_rad_s(&self) -> Vec3 {
+        self.chain.integral_rad_s
+    }
+}
+
+impl Filter for Mahony {
+    #[inline]
+    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quaternion {
+        let kp = self.kp;
+        self.chain.step(&Prepared::new(gyro_rad_s, acc_m_s2, dt_s, |_| kp), dt_s)
+    }
+
+    fn orientation(&self) -> Quaternion {
+        self.chain.world_from_body
+    }
+
+    fn update_block<O: From<Quaternion>>(
+        &mut self,
+        gyro_rad_s: &[Vec3],
+        acc_m_s2: &[Vec3],
+        dt: Dt<'_>,
+        out: &mut [O],
+    ) {
+        let kp = self.kp;
+        self.chain.steps(gyro_rad_s, acc_m_s2, dt, out, |_| kp);
+    }
+}
+
+/// What of a step depends on its sample alone.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Prepared {
+    /// ½ ω dt.
+    half_turn: Vec3,
+    /// kp dt â: its product with ½ v is what kp adds to the half turn.
+    pull: Vec3,
+    /// â.
+    acc_unit: Vec3,
+}
+
+impl Prepared {
+    /// `gain` maps |a|, m/s², to kp.
+    #[inline(always)]
+    pub(super) fn new(gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64, gain: impl Fn(f64) -> f64) -> Self {
+        let (acc_unit, norm) = direction(acc_m_s2);
+        let pull = vector::scale(acc_unit, gain(norm) * dt_s);
+        Prepared { half_turn: half_turn(gyro_rad_s, dt_s), pull, acc_unit }
+    }
+}
+
+/// The state that waits for the sample before, shared by both Mahony filters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Chain {
+    pub(super) world_from_body: Quaternion,
+    pub(super) integral_rad_s: Vec3,
+    ki: f64,
+}
+
+impl Chain {
+    pub(super) fn new(world_from_body: Quaternion, ki: f64) -> Result<Self> {
+        Ok(Chain { world_from_body: world_from_body.try_normalized()?, integral_rad_s: [0.0; 3], ki })
+    }
+
+    #[inline(always)]
+    pub(super) fn step(&mut self, sample: &Prepared, dt_s: f64) -> Quaternion {
+        let q = self.world_from_body;
+        // ½ v; |q| = 1 makes its z w² + z² − ½
+        let v = [q.x * q.z - q.w * q.y, q.w * q.x + q.y * q.z, (q.w * q.w - 0.5) + q.z * q.z];
+        let base = if self.ki == 0.0 { sample.half_turn } else { self.integrate(sample, v, dt_s) };
+        let a = sample.pull;
+        let h = [
+            (base[0] - a[2] * v[1]) + a[1] * v[2],
+            (base[1] + a[2] * v[0]) - a[0] * v[2],
+            (base[2] + a[0] * v[1]) - a[1] * v[0],
+        ];
+        self.world_from_body = advance(q, h);
+        self.world_from_body
+    }
+
+    /// i ← i + ki e dt, and ½ (ω + i) dt. An integral that would overflow stays as it is.
+    #[inline(always)]
+    fn integrate(&mut self, sample: &Prepared, half_v: Vec3, dt_s: f64) -> Vec3 {
+        let e = vector::cross(sample.acc_unit, half_v);
+        let i = vector::add(self.integral_rad_s, vector::scale(e, 2.0 * (self.ki * dt_s)));
+        if dt_s > 0.0 && vector::is_finite(i) {
+            self.integral_rad_s = i;
+        }
+        vector::add(sample.half_turn, half_turn(self.integral_rad_s, dt_s))
+    }
+
+    #[inline(always)]
+    pub(super) fn steps<O: From<Quaternion>>(
+        &mut self,
+        gyro_rad_s: &[Vec3],
+        acc_m_s2: &[Vec3],
+        dt: Dt<'_>,
+        out: &mut [O],
+        gain: impl Fn(f64) -> f64 + Copy,
+    ) {
+        let rows = out.len().min(gyro_rad_s.len()).min(acc_m_s2.len());
+        let mut prepared = [Prepared::default(); BLOCK];
+        let mut start = 0;
+        while start < rows {
+            let end = rows.min(start + BLOCK);
+            for (slot, k) in prepared.iter_mut().zip(start..end) {
+                *slot = Prepared::new(gyro_rad_s[k], acc_m_s2[k], dt.at(k), gain);
+            }
+            let mut chain = *self;
+            for (slot, k) in prepared.iter().zip(start..end) {
+                out[k] = O::from(chain.step(slot, dt.at(k)));
+            }
+            *self = chain;
+            start = end;
+        }
+    }
+}

@@ -1,0 +1,313 @@
+//! The search for rests, indifferent to gyroscope bias.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use crate::STANDARD_GRAVITY_M_S2;
+use crate::error::{Error, Result};
+use crate::filter::{Dt, check_rows, positive, same_length};
+use crate::vector::{self, Vec3};
+
+/// When a stretch of samples counts as a rest. The defaults hold for cheap sensors at 20 … 2000 Hz, on a
+/// table or on a person who stands still.
+///
+/// Samples are averaged over blocks of `block_s`, which takes the white noise down alike at all rates; a
+/// window of `window_s` slides over the blocks and is still when its blocks stray little from the window's
+/// own mean. So a constant bias of the gyroscope does not matter, up to `bias_max_rad_s`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RestSettings {
+    /// Shortest rest, s; default 1. Shorter finds more rests but also pauses of a slow movement.
+    pub min_length_s: f64,
+    /// Length of a block, s; default 0.05. Must be below half of `window_s`.
+    pub block_s: f64,
+    /// Length of the sliding window, s; default 0.5.
+    pub window_s: f64,
+    /// Largest standard deviation of the blocks' rates in a window (root of the three axes' sum), beyond
+    /// what the samples' own noise explains, rad/s; default 0.035 (2 °/s).
+    pub gyro_deviation_rad_s: f64,
+    /// The same for the accelerations, m/s²; default 0.2.
+    pub acc_deviation_m_s2: f64,
+    /// Largest standard deviation of single samples inside the blocks (root of the three axes' sum), rad/s;
+    /// default 0.3. Keeps vibration from passing as noise.
+    pub gyro_noise_rad_s: f64,
+    /// The same for the accelerations, m/s²; default 1.5.
+    pub acc_noise_m_s2: f64,
+    /// How far a window's mean rate may be from the rest's mean so far, rad/s; default 0.05. Beyond, the rest
+    /// ends there.
+    pub gyro_drift_rad_s: f64,
+    /// The same for the acceleration, m/s²; default 0.4 (2.3° of tilt).
+    pub acc_drift_m_s2: f64,
+    /// Largest mean rate that can be a bias, rad/s; default 0.5 (29 °/s). A slower constant turn about the
+    /// vertical cannot be told from a bias by these sensors.
+    pub bias_max_rad_s: f64,
+    /// What |a| is at rest, m/s²; default 9.80665.
+    pub gravity_m_s2: f64,
+    /// How far the mean |a| may be from it, as a share; default 0.15.
+    pub gravity_tolerance: f64,
+    /// A step longer than this ends a rest, s; default 0.5: what happened meanwhile is not known.
+    pub max_gap_s: f64,
+}
+
+impl Default for RestSettings {
+    fn default() -> Self {
+        RestSettings {
+            min_length_s: 1.0,
+            block_s: 0.05,
+            window_s: 0.5,
+            gyro_deviation_rad_s: 0.035,
+            acc_deviation_m_s2: 0.2,
+            gyro_noise_rad_s: 0.3,
+            acc_noise_m_s2: 1.5,
+            gyro_drift_rad_s: 0.05,
+            acc_drift_m_s2: 0.4,
+            bias_max_rad_s: 0.5,
+            gravity_m_s2: STANDARD_GRAVITY_M_S2,
+            gravity_tolerance: 0.15,
+            max_gap_s: 0.5,
+        }
+    }
+}
+
+impl RestSettings {
+    /// Refused unless all are finite and greater than zero and 2 · blockSec < windowSec ≤ minLengthSec.
+    pub fn check(&self) -> Result<()> {
+        for (name, value) in [
+            ("minLengthSec", self.min_length_s),
+            ("blockSec", self.block_s),
+            ("windowSec", self.window_s),
+            ("gyroDeviation", self.gyro_deviation_rad_s),
+            ("accDeviation", self.acc_deviation_m_s2),
+            ("gyroNoise", self.gyro_noise_rad_s),
+            ("accNoise", self.acc_noise_m_s2),
+            ("gyroDrift", self.gyro_drift_rad_s),
+            ("accDrift", self.acc_drift_m_s2),
+            ("biasMax", self.bias_max_rad_s),
+            ("gravity", self.gravity_m_s2),
+            ("gravityTolerance", self.gravity_tolerance),
+            ("maxGapSec", self.max_gap_s),
+        ] {
+            positive(name, value)?;
+        }
+        if !(2.0 * self.block_s < self.window_s && self.window_s <= self.min_length_s) {
+            return Err(Error::OutOfOrder { rule: "2 blockSec < windowSec <= minLengthSec" });
+        }
+        Ok(())
+    }
+}
+
+/// Samples averaged.
+#[derive(Clone, Copy)]
+struct Block {
+    rows: (usize, usize),
+    length_s: f64,
+    gyro: Vec3,
+    acc: Vec3,
+    /// Sum over axes of the samples' variance inside the block.
+    gyro_noise: f64,
+    acc_noise: f64,
+    /// True where a gap lies before the block.
+    after_gap: bool,
+}
+
+/// The rests of a recording, in order: ranges of rows. Refused: unequal lengths, numbers that are not finite,
+/// steps that are not greater than zero, settings that do not pass [`RestSettings::check`]. A recording
+/// without rest gives no range.
+pub fn find_rests(
+    acc_m_s2: &[Vec3],
+    gyro_rad_s: &[Vec3],
+    dt: Dt<'_>,
+    settings: &RestSettings,
+) -> Result<Vec<Range<usize>>> {
+    settings.check()?;
+    same_length(acc_m_s2.len(), gyro_rad_s.len())?;
+    dt.check(acc_m_s2.len())?;
+    check_rows(acc_m_s2, 0)?;
+    check_rows(gyro_rad_s, 0)?;
+    let blocks = make_blocks(acc_m_s2, gyro_rad_s, dt, settings);
+    let mut rests = Vec::new();
+    let mut start = 0;
+    while start < blocks.len() {
+        let mut end = start + 1;
+        while end < blocks.len() && !blocks[end].after_gap {
+            end += 1;
+        }
+        search_stretch(&blocks[start..end], settings, &mut rests);
+        start = end;
+    }
+    Ok(rests)
+}
+
+/// The first of [`find_rests`]; refused ([`Error::NoRest`]) when there is none.
+pub fn first_rest(
+    acc_m_s2: &[Vec3],
+    gyro_rad_s: &[Vec3],
+    dt: Dt<'_>,
+    settings: &RestSettings,
+) -> Result<Range<usize>> {
+    let rests = find_rests(acc_m_s2, gyro_rad_s, dt, settings)?;
+    rests.into_iter().next().ok_or(Error::NoRest { needed_s: settings.min_length_s })
+}
+
+fn make_blocks(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>, settings: &RestSettings) -> Vec<Block> {
+    let mut blocks = Vec::new();
+    let mut start = 0;
+    let mut length_s = 0.0;
+    let mut gap_before = false;
+    for row in 0..acc.len() {
+        let step_s = dt.at(row);
+        if row > 0 && step_s > settings.max_gap_s {
+            if start < row {
+                blocks.push(block(acc, gyro, (start, row), length_s, gap_before));
+            }
+            (start, length_s, gap_before) = (row, 0.0, true);
+        }
+        // a sample stands for the time since the one before, the first of a stretch for no more than a block
+        length_s += step_s.min(if start == row { settings.block_s } else { settings.max_gap_s });
+        // half a sample of grace, so that rounding does not change the number of samples in a block
+        if length_s + 0.5 * step_s.min(settings.block_s) > settings.block_s {
+            blocks.push(block(acc, gyro, (start, row + 1), length_s, gap_before));
+            (start, length_s, gap_before) = (row + 1, 0.0, false);
+        }
+    }
+    if start < acc.len() {
+        blocks.push(block(acc, gyro, (start, acc.len()), length_s, gap_before));
+    }
+    blocks
+}
+
+fn block(acc: &[Vec3], gyro: &[Vec3], rows: (usize, usize), length_s: f64, after_gap: bool) -> Block {
+    let average = |series: &[Vec3]| {
+        let part = &series[rows.0..rows.1];
+        let mean = super::mean_of(part);
+        let n = part.len() as f64;
+        let squares = part.iter().fold(0.0, |sum, &row| {
+            let d = vector::sub(row, mean);
+            sum + vector::dot(d, d)
+        });
+        (mean, if part.len() > 1 { squares / (n - 1.0) } else { 0.0 })
+    };
+    let ((gyro, gyro_noise), (acc, acc_noise)) = (average(gyro), average(acc));
+    Block { rows, length_s, gyro, acc, gyro_noise, acc_noise, after_gap }
+}
+
+/// What a window says of its blocks.
+struct Window {
+    gyro: Vec3,
+    acc: Vec3,
+    still: bool,
+}
+
+fn judge(blocks: &[Block], settings: &RestSettings) -> Window {
+    let n = blocks.len() as f64;
+    let rows = blocks.iter().fold(0.0, |sum, b| sum + (b.rows.1 - b.rows.0) as f64);
+    let mut gyro = [0.0; 3];
+    let mut acc = [0.0; 3];
+    let (mut gyro_noise, mut acc_noise) = (0.0, 0.0);
+    for b in blocks {
+        gyro = vector::add(gyro, vector::scale(b.gyro, 1.0 / n));
+        acc = vector::add(acc, vector::scale(b.acc, 1.0 / n));
+        gyro_noise += b.gyro_noise / n;
+        acc_noise += b.acc_noise / n;
+    }
+    let (mut gyro_variance, mut acc_variance) = (0.0, 0.0);
+    for b in blocks {
+        let (dg, da) = (vector::sub(b.gyro, gyro), vector::sub(b.acc, acc));
+        gyro_variance += vector::dot(dg, dg) / (n - 1.0);
+        acc_variance += vector::dot(da, da) / (n - 1.0);
+    }
+    // white noise leaves this much of its variance in the blocks' means
+    let rows_a_block = rows / n;
+    gyro_variance -= gyro_noise / rows_a_block;
+    acc_variance -= acc_noise / rows_a_block;
+    let square = |x: f64| x * x;
+    let norm = vector::norm(acc);
+    let still = gyro_variance <= square(settings.gyro_deviation_rad_s)
+        && acc_variance <= square(settings.acc_deviation_m_s2)
+        && gyro_noise <= square(settings.gyro_noise_rad_s)
+        && acc_noise <= square(settings.acc_noise_m_s2)
+        && vector::norm(gyro) <= settings.bias_max_rad_s
+        && (norm - settings.gravity_m_s2).abs() <= settings.gravity_tolerance * settings.gravity_m_s2;
+    Window { gyro, acc, still }
+}
+
+/// Blocks without a gap between them.
+fn search_stretch(blocks: &[Block], settings: &RestSettings, rests: &mut Vec<Range<usize>>) {
+    let mut run: Option<Run> = None;
+    let mut window_start = 0;
+    let mut length_s = 0.0;
+    for end in 0..blocks.len() {
+        length_s += blocks[end].length_s;
+        // the shortest window that is long enough, of three blocks or more
+        while end - window_start >= 3 && length_s - blocks[window_start].length_s >= settings.window_s {
+            length_s -= blocks[window_start].length_s;
+            window_start += 1;
+        }
+        if end - window_start < 2 || length_s < 0.99 * settings.window_s {
+            continue;
+        }
+        let window = judge(&blocks[window_start..=end], settings);
+        let fits = run.as_ref().is_none_or(|run| run.fits(&window, settings));
+        if window.still && fits {
+            run.get_or_insert_with(|| Run::new(window_start)).extend(end, &window);
+            continue;
+        }
+        if let Some(run) = run.take() {
+            run.finish(blocks, settings, rests);
+        }
+        if window.still {
+            let mut next = Run::new(window_start);
+            next.extend(end, &window);
+            run = Some(next);
+        }
+    }
+    if let Some(run) = run.take() {
+        run.finish(blocks, settings, rests);
+    }
+}
+
+/// Still windows in a row.
+struct Run {
+    first: usize,
+    last: usize,
+    windows: f64,
+    gyro: Vec3,
+    acc: Vec3,
+}
+
+impl Run {
+    fn new(first: usize) -> Self {
+        Run { first, last: first, windows: 0.0, gyro: [0.0; 3], acc: [0.0; 3] }
+    }
+
+    fn fits(&self, window: &Window, settings: &RestSettings) -> bool {
+        vector::norm(vector::sub(window.gyro, self.gyro)) <= settings.gyro_drift_rad_s
+            && vector::norm(vector::sub(window.acc, self.acc)) <= settings.acc_drift_m_s2
+    }
+
+    fn extend(&mut self, last: usize, window: &Window) {
+        self.last = last;
+        self.windows += 1.0;
+        let share = 1.0 / self.windows;
+        self.gyro = vector::add(self.gyro, vector::scale(vector::sub(window.gyro, self.gyro), share));
+        self.acc = vector::add(self.acc, vector::scale(vector::sub(window.acc, self.acc), share));
+    }
+
+    /// Without the block at either end that borders on movement, if what is left is long enough.
+    fn finish(self, blocks: &[Block], settings: &RestSettings, rests: &mut Vec<Range<usize>>) {
+        let mut first = if self.first == 0 { 0 } else { self.first + 1 };
+        let last = if self.last + 1 == blocks.len() { self.last } else { self.last - 1 };
+        if let Some(before) = rests.last() {
+            while first < last && blocks[first].rows.0 < before.end {
+                first += 1;
+            }
+        }
+        if first > last {
+            return;
+        }
+        let length_s = blocks[first..=last].iter().fold(0.0, |sum, b| sum + b.length_s);
+        // a thousandth of grace for rounding
+        if length_s >= 0.999 * settings.min_length_s {
+            rests.push(blocks[first].rows.0..blocks[last].rows.1);
+        }
+    }
+}
