@@ -1,0 +1,29 @@
+//! Simulated motion whose truth is known, and the sensors that read it.
+//!
+//! - [`curve`]: smooth functions of time with exact first and second derivatives;
+//! - [`motion`]: attitude and position made of them, with exact body rates and accelerations;
+//! - [`imu`]: what an ideal sensor reads in a world with gravity and, if wanted, the Earth's rotation;
+//! - [`sensor`]: bias, scale, misalignment, noise, quantisation and range of named sensors;
+//! - [`simulate()`]: all of them, sampled, seeded: [`Simulation`] holds the readings and the truth;
+//! - [`movements`]: movements for tests and demonstrations;
+//! - [`recordings`]: the recordings in `examples/` and their truth.
+//!
+//! Conventions are those of `shisei_core`. The same seed gives the same bits on every machine: the generator
+//! is PCG and all mathematics goes through `shisei_core::math`.
+#![warn(missing_docs)]
+
+pub mod curve;
+pub mod imu;
+pub mod motion;
+pub mod movements;
+pub mod random;
+pub mod recordings;
+pub mod sensor;
+pub mod simulate;
+
+pub use curve::{Curve, Jet};
+pub use imu::{World, ideal_imu};
+pub use motion::{Motion, Path, State, Turn};
+pub use random::Random;
+pub use sensor::{Calibration, Correction, Sensor, Triad};
+pub use simulate::{Errors, Sample, Settings, Simulation, Truth, simulate};
