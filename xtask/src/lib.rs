@@ -1,0 +1,7 @@
+//! What `cargo xtask` does, one topic a file.
+
+pub mod needs;
+pub mod project;
+pub mod run;
+pub mod suite;
+pub mod tally;
