@@ -5,3 +5,4 @@ pub mod project;
 pub mod run;
 pub mod suite;
 pub mod tally;
+pub mod tidy;

@@ -3,11 +3,12 @@
 use std::process::ExitCode;
 
 use xtask::project::Project;
-use xtask::suite;
+use xtask::{suite, tidy};
 
 const USAGE: &str = "\
 cargo xtask test [--install] [SUITE …]   run the suites (all without a name); --install fetches what is missing
 cargo xtask test --list                  the suites and what each needs
+cargo xtask tidy                         rules that no compiler holds us to
 ";
 
 fn main() -> ExitCode {
@@ -16,6 +17,7 @@ fn main() -> ExitCode {
     let project = Project::here();
     match words.split_first() {
         Some((&"test", rest)) => suite::command(&project, rest),
+        Some((&"tidy", [])) => report_tidy(&project),
         Some((&("help" | "--help" | "-h"), _)) => {
             print!("{USAGE}");
             ExitCode::SUCCESS
@@ -25,4 +27,18 @@ fn main() -> ExitCode {
             ExitCode::from(2)
         }
     }
+}
+
+fn report_tidy(project: &Project) -> ExitCode {
+    let mut code = ExitCode::SUCCESS;
+    for (name, outcome) in tidy::check(project) {
+        match outcome {
+            Ok(_) => println!("ok      {name}"),
+            Err(reason) => {
+                println!("FAILED  {name}: {reason}");
+                code = ExitCode::FAILURE;
+            }
+        }
+    }
+    code
 }

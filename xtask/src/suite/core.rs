@@ -3,6 +3,7 @@
 use super::Suite;
 use crate::needs::Needs;
 use crate::run::Run;
+use crate::tidy;
 
 pub const SUITE: Suite = Suite {
     name: "core",
@@ -13,6 +14,9 @@ pub const SUITE: Suite = Suite {
 
 fn run(run: &mut Run<'_>) {
     let project = run.project;
+    for (name, outcome) in tidy::check(project) {
+        run.check(name, outcome);
+    }
     run.step("cargo fmt", project.cargo().args(["fmt", "--all", "--check"]));
     let clippy = ["clippy", "--quiet", "--workspace", "--all-targets", "--", "-D", "warnings"];
     run.step("cargo clippy", project.cargo().args(clippy));
