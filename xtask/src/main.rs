@@ -1,1 +1,44 @@
-fn main() {}
+//! `cargo xtask …`: the one command of developers and of continuous integration.
+
+use std::process::ExitCode;
+
+use xtask::project::Project;
+use xtask::{suite, tidy};
+
+const USAGE: &str = "\
+cargo xtask test [--install] [SUITE …]   run the suites (all without a name); --install fetches what is missing
+cargo xtask test --list                  the suites and what each needs
+cargo xtask tidy                         rules that no compiler holds us to
+";
+
+fn main() -> ExitCode {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let words: Vec<&str> = args.iter().map(String::as_str).collect();
+    let project = Project::here();
+    match words.split_first() {
+        Some((&"test", rest)) => suite::command(&project, rest),
+        Some((&"tidy", [])) => report_tidy(&project),
+        Some((&("help" | "--help" | "-h"), _)) => {
+            print!("{USAGE}");
+            ExitCode::SUCCESS
+        }
+        _ => {
+            eprint!("{USAGE}");
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn report_tidy(project: &Project) -> ExitCode {
+    let mut code = ExitCode::SUCCESS;
+    for (name, outcome) in tidy::check(project) {
+        match outcome {
+            Ok(_) => println!("ok      {name}"),
+            Err(reason) => {
+                println!("FAILED  {name}: {reason}");
+                code = ExitCode::FAILURE;
+            }
+        }
+    }
+    code
+}

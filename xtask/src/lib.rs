@@ -1,0 +1,8 @@
+//! What `cargo xtask` does, one topic a file.
+
+pub mod needs;
+pub mod project;
+pub mod run;
+pub mod suite;
+pub mod tally;
+pub mod tidy;

@@ -1,0 +1,27 @@
+//! Formatting, lints, documentation and every test that needs Rust only.
+
+use super::Suite;
+use crate::needs::Needs;
+use crate::run::Run;
+use crate::tidy;
+
+pub const SUITE: Suite = Suite {
+    name: "core",
+    about: "formatting, lints, documentation, the tests of all crates",
+    needs: |_| Needs { cargo: vec!["fmt", "clippy"], ..Needs::default() },
+    run,
+};
+
+fn run(run: &mut Run<'_>) {
+    let project = run.project;
+    for (name, outcome) in tidy::check(project) {
+        run.check(name, outcome);
+    }
+    run.step("cargo fmt", project.cargo().args(["fmt", "--all", "--check"]));
+    let clippy = ["clippy", "--quiet", "--workspace", "--all-targets", "--", "-D", "warnings"];
+    run.step("cargo clippy", project.cargo().args(clippy));
+    let mut doc = project.cargo();
+    doc.args(["doc", "--quiet", "--workspace", "--no-deps"]);
+    run.step("cargo doc", doc.env("RUSTDOCFLAGS", "-D warnings"));
+    run.cargo_test("cargo test", project.cargo().args(["test", "--workspace"]));
+}

@@ -1,0 +1,78 @@
+//! The suites. To add one: a file here with a `SUITE`, and its name in `ALL`.
+
+mod core;
+
+use std::process::ExitCode;
+use std::time::Instant;
+
+use crate::needs::Needs;
+use crate::project::Project;
+use crate::run::{Run, seconds};
+use crate::tally::Tally;
+
+/// A group of tests that needs the same things from the machine.
+#[derive(Debug)]
+pub struct Suite {
+    pub name: &'static str,
+    /// What it shows, in one line.
+    pub about: &'static str,
+    pub needs: fn(&Project) -> Needs,
+    pub run: fn(&mut Run<'_>),
+}
+
+/// In the order in which they run.
+const ALL: &[Suite] = &[core::SUITE];
+
+/// `cargo xtask test …`.
+pub fn command(project: &Project, words: &[&str]) -> ExitCode {
+    let mut install = false;
+    let mut names = Vec::new();
+    for word in words {
+        match *word {
+            "--install" => install = true,
+            "--list" => {
+                for suite in ALL {
+                    println!("{:8} {} ({})", suite.name, suite.about, (suite.needs)(project).describe());
+                }
+                return ExitCode::SUCCESS;
+            }
+            name if ALL.iter().any(|suite| suite.name == name) => names.push(name),
+            other => {
+                let known: Vec<&str> = ALL.iter().map(|suite| suite.name).collect();
+                eprintln!("there is no suite `{other}`; there are: {}", known.join(", "));
+                return ExitCode::from(2);
+            }
+        }
+    }
+    let mut total = Tally::default();
+    let mut notes = Vec::new();
+    for suite in ALL.iter().filter(|suite| names.is_empty() || names.contains(&suite.name)) {
+        let (tally, remarks) = run(suite, project, install);
+        total.add(tally);
+        notes.extend(remarks.into_iter().map(|note| format!("{:8} {note}", suite.name)));
+    }
+    println!();
+    for note in notes {
+        println!("{note}");
+    }
+    println!("{total}");
+    if total.failed == 0 && total.passed > 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
+}
+
+fn run(suite: &Suite, project: &Project, install: bool) -> (Tally, Vec<String>) {
+    println!("\n=== {}: {}", suite.name, suite.about);
+    let started = Instant::now();
+    let mut run = Run::new(project);
+    match (suite.needs)(project).ensure(project, suite.name, install) {
+        Ok(()) => {
+            (suite.run)(&mut run);
+            if run.tally.ran() == 0 {
+                run.fail(suite.name, "the suite ran no test");
+            }
+        }
+        Err(reason) if project.ci => run.fail(suite.name, &reason),
+        Err(reason) => run.skip(suite.name, &reason),
+    }
+    println!("=== {}: {}, {}", suite.name, run.tally, seconds(started));
+    (run.tally, run.notes)
+}
