@@ -15,10 +15,14 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+#[cfg(feature = "alloc")]
+pub mod allan;
 pub mod error;
 pub mod euler;
+pub mod least_squares;
 pub mod math;
 pub mod quaternion;
+pub mod statistics;
 pub mod vector;
 
 pub use error::{Error, Lang, Result};
