@@ -15,15 +15,19 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+#[cfg(feature = "alloc")]
+pub mod allan;
 pub mod error;
 pub mod euler;
 pub mod filter;
 pub mod heading;
 pub mod initial;
+pub mod least_squares;
 pub mod math;
 pub mod quaternion;
 pub mod relative;
 pub mod rest;
+pub mod statistics;
 pub mod vector;
 
 pub use error::{Error, Face, Kind, Lang, Result};
