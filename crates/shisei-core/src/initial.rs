@@ -39,6 +39,21 @@ pub fn from_stable_window(
     from_mean_acceleration(rest::mean(acc_m_s2)?)
 }
 
+/// An attitude made level by an acceleration, m/s²: the shortest turn that brings the acceleration, as the
+/// attitude sees it, to world z. Its axis lies flat, so the heading is kept. Unchanged where the acceleration is
+/// zero or not finite.
+pub fn level(world_from_body: Quaternion, acc: Vec3) -> Quaternion {
+    let up = world_from_body.rotate(acc);
+    let flat = math::hypot(up[0], up[1]);
+    if !vector::is_finite(up) || (flat == 0.0 && up[2] >= 0.0) {
+        return world_from_body;
+    }
+    let angle_rad = math::atan2(flat, up[2]);
+    // up × z; upside down every flat axis is as good as another
+    let axis = if flat == 0.0 { [1.0, 0.0, 0.0] } else { [up[1] / flat, -up[0] / flat, 0.0] };
+    Quaternion::from_rotation_vector(vector::scale(axis, angle_rad)).product(world_from_body).normalized()
+}
+
 /// Roll and pitch of an acceleration (finite, any length), with a given yaw.
 pub(crate) fn from_direction(acc: Vec3, yaw_rad: f64) -> Quaternion {
     let roll_rad = math::atan2(acc[1], acc[2]);

@@ -24,6 +24,8 @@ pub mod heading;
 pub mod initial;
 pub mod least_squares;
 pub mod math;
+#[cfg(feature = "alloc")]
+pub mod orient;
 pub mod quaternion;
 pub mod relative;
 pub mod rest;

@@ -1,0 +1,370 @@
+//! A whole recording to orientation: rest, bias, start, filter, and what the angles are relative to.
+//!
+//! The first rest gives the gyroscope bias (mean rate) and the start (mean acceleration, yaw 0). From there the
+//! filter runs forward to the end, and backward in time to the first row, so that every row has an attitude and
+//! the rest is the reference wherever it lies. Across a gap the rate is unknown: the filter starts anew there,
+//! levelled by the first half second of acceleration, with the yaw it had.
+
+use alloc::vec::Vec;
+use core::ops::Range;
+
+use crate::error::{Error, Result};
+use crate::filter::{
+    self, AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroRk4, Mahony, MahonyAdaptive,
+};
+use crate::quaternion::Quaternion;
+use crate::rest::{self, RestSettings};
+use crate::vector::{self, Vec3};
+use crate::{Ypr, heading, initial};
+
+/// A step longer than this is a gap, s.
+pub const GAP_S: f64 = 0.5;
+
+/// How much acceleration levels the start where there is no rest, and after a gap, s.
+const LEVEL_S: f64 = 0.5;
+
+/// The filter and its settings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Method {
+    /// The gyroscope alone, exact steps.
+    Gyro,
+    /// The gyroscope alone, Runge–Kutta steps.
+    GyroRk4,
+    /// [`Mahony`].
+    Mahony {
+        /// Proportional gain, 1/s.
+        kp: f64,
+        /// Integral gain, 1/s².
+        ki: f64,
+    },
+    /// [`MahonyAdaptive`].
+    MahonyAdaptive {
+        /// Proportional gain as a function of |a|.
+        gain: AdaptiveGain,
+        /// Integral gain, 1/s².
+        ki: f64,
+    },
+    /// [`Complementary`].
+    Complementary {
+        /// Share of the gyroscope, 0 … 1.
+        alpha: f64,
+    },
+}
+
+/// Where the bias and the start come from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum RestChoice {
+    /// The first rest of at least 1 s.
+    Auto,
+    /// Given by its rows; [`rows_between`] finds them by time.
+    Rows {
+        /// The first row.
+        start: usize,
+        /// The row after the last.
+        end: usize,
+    },
+    /// No rest: no bias is removed and the first half second of acceleration gives the start.
+    None,
+}
+
+/// What yaw, pitch and roll are relative to.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Relative {
+    /// `q q0*`: the change since the start in world axes.
+    #[default]
+    World,
+    /// `q0* q`: the change since the start in the sensor's axes at the start.
+    Body,
+    /// `q` itself.
+    None,
+}
+
+/// All that [`orient`] can be told.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Settings {
+    /// The filter; default Mahony with kp 0.2, ki 0.
+    pub method: Method,
+    /// The rest; default [`RestChoice::Auto`].
+    pub rest: RestChoice,
+    /// What angles are relative to; default [`Relative::World`].
+    pub relative: Relative,
+    /// Sensor axis that, laid flat at the start, points along world x; default none (yaw 0 at the start).
+    pub forward_axis_body: Option<Vec3>,
+    /// Gravity where the recording was made, m/s²; default 9.80665.
+    pub gravity_m_s2: f64,
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Settings {
+            method: Method::Mahony { kp: 0.2, ki: 0.0 },
+            rest: RestChoice::Auto,
+            relative: Relative::World,
+            forward_axis_body: None,
+            gravity_m_s2: crate::STANDARD_GRAVITY_M_S2,
+        }
+    }
+}
+
+/// What [`orient`] found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Orientation {
+    /// Attitude after each sample.
+    pub world_from_body: Vec<Quaternion>,
+    /// Attitude at the start: at the rest, or at the first sample where there is none.
+    pub start: Quaternion,
+    /// The samples of the rest.
+    pub rest: Option<Range<usize>>,
+    /// The bias that was removed, rad/s in body axes.
+    pub gyro_bias_rad_s: Vec3,
+    /// What angles are relative to.
+    pub relative: Relative,
+}
+
+impl Orientation {
+    /// Yaw, pitch and roll of row k, relative as asked.
+    pub fn ypr(&self, k: usize) -> Ypr {
+        relative_to(self.world_from_body[k], self.start, self.relative).to_ypr()
+    }
+}
+
+/// An attitude relative to a start, both of unit norm.
+pub fn relative_to(world_from_body: Quaternion, start: Quaternion, relative: Relative) -> Quaternion {
+    match relative {
+        Relative::World => world_from_body.product(start.conjugate()),
+        Relative::Body => start.conjugate().product(world_from_body),
+        Relative::None => world_from_body,
+    }
+}
+
+/// Orientation of a recording. `dt_s[k]` is the time from sample k − 1 to sample k (the first: the nominal
+/// step); rates rad/s and specific forces m/s² in body axes.
+///
+/// Refused: unequal lengths, numbers that are not finite, settings out of range; [`Error::NoRest`] where no rest
+/// is found, [`Error::TooFewPoints`] where the given rest has fewer than 10 samples, [`Error::AxisNearVertical`]
+/// where the forward axis has no heading.
+pub fn orient(
+    acc_m_s2: &[Vec3],
+    gyro_rad_s: &[Vec3],
+    dt_s: &[f64],
+    settings: &Settings,
+) -> Result<Orientation> {
+    filter::same_length(acc_m_s2.len(), gyro_rad_s.len())?;
+    if acc_m_s2.is_empty() {
+        return Err(Error::Empty);
+    }
+    Dt::PerSample(dt_s).check(acc_m_s2.len())?;
+    filter::check_rows(acc_m_s2, 0)?;
+    filter::check_rows(gyro_rad_s, 0)?;
+    let gravity = filter::positive("gravity", settings.gravity_m_s2)?;
+
+    let rest = find_rest(acc_m_s2, gyro_rad_s, dt_s, settings)?;
+    let (origin, gyro_bias_rad_s, level) = match &rest {
+        Some(rest) => (rest.start, rest::gyro_bias(&gyro_rad_s[rest.clone()])?, rest.clone()),
+        None => (0, [0.0; 3], 0..after(dt_s, 0, LEVEL_S)),
+    };
+    let start = initial::from_mean_acceleration(rest::mean(&acc_m_s2[level])?)?;
+    let turn = match settings.forward_axis_body {
+        Some(axis) => heading::from_forward_axis(start, axis)?,
+        None => Quaternion::IDENTITY,
+    };
+    let start = turn.product(start);
+    let data = Data { acc: acc_m_s2, gyro: gyro_rad_s, dt: dt_s, bias: gyro_bias_rad_s };
+    let world_from_body = match settings.method {
+        Method::Gyro => data.run(origin, start, GyroIntegrator::new),
+        Method::GyroRk4 => data.run(origin, start, GyroRk4::new),
+        Method::Mahony { kp, ki } => data.run(origin, start, |q| Mahony::new(q, kp, ki)),
+        Method::MahonyAdaptive { gain, ki } => {
+            data.run(origin, start, |q| MahonyAdaptive::new(q, gain, ki, gravity))
+        }
+        Method::Complementary { alpha } => data.run(origin, start, |q| Complementary::new(q, alpha, gravity)),
+    }?;
+    Ok(Orientation { world_from_body, start, rest, gyro_bias_rad_s, relative: settings.relative })
+}
+
+fn find_rest(acc: &[Vec3], gyro: &[Vec3], dt_s: &[f64], settings: &Settings) -> Result<Option<Range<usize>>> {
+    match settings.rest {
+        RestChoice::None => Ok(None),
+        RestChoice::Auto => {
+            let search = RestSettings { gravity_m_s2: settings.gravity_m_s2, ..RestSettings::default() };
+            rest::first_rest(acc, gyro, Dt::PerSample(dt_s), &search).map(Some)
+        }
+        RestChoice::Rows { start, end } => {
+            let end = end.min(acc.len());
+            let given = end.saturating_sub(start);
+            if given < rest::MIN_BIAS_SAMPLES {
+                return Err(Error::TooFewPoints { given, needed: rest::MIN_BIAS_SAMPLES });
+            }
+            Ok(Some(start..end))
+        }
+    }
+}
+
+/// The rows from `start_s` to `end_s`, both included, of ascending times.
+pub fn rows_between(time_s: &[f64], start_s: f64, end_s: f64) -> Range<usize> {
+    let start = time_s.partition_point(|&t| t < start_s);
+    start..time_s.partition_point(|&t| t <= end_s).max(start)
+}
+
+/// The first row at least `span_s` after row `from`, or the end, or the next gap.
+fn after(dt_s: &[f64], from: usize, span_s: f64) -> usize {
+    let mut passed_s = 0.0;
+    for k in from + 1..dt_s.len() {
+        passed_s += dt_s[k];
+        if dt_s[k] > GAP_S || passed_s >= span_s {
+            return k;
+        }
+    }
+    dt_s.len()
+}
+
+/// The recording and the bias, for runs in both directions of time.
+struct Data<'a> {
+    acc: &'a [Vec3],
+    gyro: &'a [Vec3],
+    dt: &'a [f64],
+    bias: Vec3,
+}
+
+impl Data<'_> {
+    /// Attitudes of all rows from the attitude `start` at row `origin`.
+    fn run<F: Filter>(
+        &self,
+        origin: usize,
+        start: Quaternion,
+        make: impl Fn(Quaternion) -> Result<F>,
+    ) -> Result<Vec<Quaternion>> {
+        let rows = self.acc.len();
+        let rates: Vec<Vec3> = self.gyro.iter().map(|&rate| vector::sub(rate, self.bias)).collect();
+        let mut forward = alloc::vec![Quaternion::IDENTITY; rows - origin];
+        stretches(&make, start, &rates[origin..], &self.acc[origin..], &self.dt[origin..], &mut forward)?;
+        if origin == 0 {
+            return Ok(forward);
+        }
+        // Backward: the step from row k + 1 to row k undoes the turn of sample k + 1.
+        let turns: Vec<Vec3> = (0..origin).rev().map(|k| vector::scale(rates[k + 1], -1.0)).collect();
+        let acc: Vec<Vec3> = self.acc[..origin].iter().rev().copied().collect();
+        let steps: Vec<f64> = (0..origin).rev().map(|k| self.dt[k + 1]).collect();
+        let mut backward = alloc::vec![Quaternion::IDENTITY; origin];
+        stretches(&make, start, &turns, &acc, &steps, &mut backward)?;
+        backward.reverse();
+        backward.extend(forward);
+        Ok(backward)
+    }
+}
+
+/// Runs the filter from gap to gap.
+fn stretches<F: Filter>(
+    make: &impl Fn(Quaternion) -> Result<F>,
+    start: Quaternion,
+    rates: &[Vec3],
+    acc: &[Vec3],
+    dt_s: &[f64],
+    out: &mut [Quaternion],
+) -> Result<()> {
+    let mut from = 0;
+    let mut q = start;
+    while from < rates.len() {
+        let end = (from + 1..rates.len()).find(|&k| dt_s[k] > GAP_S).unwrap_or(rates.len());
+        let mut filter = make(q)?;
+        let mut first = from;
+        if from > 0 || dt_s[from] > GAP_S {
+            // What happened in the gap is unknown: its step is not integrated.
+            out[from] = q;
+            first += 1;
+        }
+        let stretch = first..end;
+        filter::run_into(
+            &mut filter,
+            &rates[stretch.clone()],
+            &acc[stretch.clone()],
+            Dt::PerSample(&dt_s[stretch.clone()]),
+            &mut out[stretch],
+        )?;
+        if end < rates.len() {
+            let level = rest::mean(&acc[end..after(dt_s, end, LEVEL_S)])?;
+            q = initial::level(out[end - 1], level);
+        }
+        from = end;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math;
+
+    const RATE_HZ: f64 = 100.0;
+    const G: f64 = crate::STANDARD_GRAVITY_M_S2;
+
+    /// A level sensor: rests for `rest_s`, and otherwise turns about z at `yaw_rate`, with a bias on all axes.
+    fn turntable(
+        seconds: f64,
+        rest_s: Range<f64>,
+        yaw_rate: f64,
+        bias: f64,
+    ) -> (Vec<Vec3>, Vec<Vec3>, Vec<f64>) {
+        let rows = (seconds * RATE_HZ) as usize;
+        let gyro = (0..rows)
+            .map(|k| {
+                let still = rest_s.contains(&(k as f64 / RATE_HZ));
+                [bias, bias, bias + if still { 0.0 } else { yaw_rate }]
+            })
+            .collect();
+        (alloc::vec![[0.0, 0.0, G]; rows], gyro, alloc::vec![1.0 / RATE_HZ; rows])
+    }
+
+    #[test]
+    fn bias_of_the_rest_is_removed_and_the_turn_remains() {
+        let (acc, gyro, dt) = turntable(6.0, 0.0..3.0, 0.5, 0.02);
+        let found = orient(&acc, &gyro, &dt, &Settings::default()).unwrap();
+        assert!(found.gyro_bias_rad_s.iter().all(|b| (b - 0.02).abs() < 1e-3), "{found:?}");
+        let yaw = found.ypr(599).yaw_rad;
+        assert!((yaw - 1.5).abs() < 0.01, "{yaw}");
+    }
+
+    #[test]
+    fn rows_before_a_late_rest_are_reached_backward() {
+        // Turns for 2 s, rests 3 s, turns 1 s: yaw must run from −2 through 0 to +1.
+        let (acc, gyro, dt) = turntable(6.0, 2.0..5.0, 1.0, -0.01);
+        let found = orient(&acc, &gyro, &dt, &Settings::default()).unwrap();
+        assert!(found.rest.as_ref().is_some_and(|rest| rest.start > 150), "{:?}", found.rest);
+        assert!((found.ypr(0).yaw_rad + 2.0).abs() < 0.04, "{:?}", found.ypr(0));
+        assert!((found.ypr(599).yaw_rad - 1.0).abs() < 0.02, "{:?}", found.ypr(599));
+    }
+
+    #[test]
+    fn a_gap_is_not_integrated_and_tilt_is_found_again() {
+        // Level for 4 s; in a gap of 10 s the sensor is put on its side (30° about x).
+        let (sin, cos) = math::sin_cos(0.5235987755982988);
+        let mut acc = alloc::vec![[0.0, 0.0, G]; 800];
+        acc[400..].fill([0.0, G * sin, G * cos]);
+        let mut dt = alloc::vec![0.01; 800];
+        dt[400] = 10.0;
+        let mut gyro = alloc::vec![[0.0; 3]; 800];
+        gyro[400] = [1.0, 1.0, 1.0];
+        let found = orient(&acc, &gyro, &dt, &Settings::default()).unwrap();
+        let ypr = found.ypr(401);
+        assert!((ypr.roll_rad - 0.5235987755982988).abs() < 1e-9 && ypr.yaw_rad.abs() < 1e-9, "{ypr:?}");
+    }
+
+    #[test]
+    fn given_rest_and_refusals() {
+        let (acc, gyro, dt) = turntable(6.0, 0.0..3.0, 0.5, 0.02);
+        let with = |rest| orient(&acc, &gyro, &dt, &Settings { rest, ..Settings::default() });
+        let time: Vec<f64> = (0..600).map(|k| f64::from(k) / RATE_HZ).collect();
+        let rows = rows_between(&time, 1.0, 2.0);
+        let found = with(RestChoice::Rows { start: rows.start, end: rows.end }).unwrap();
+        assert_eq!(found.rest, Some(100..201));
+        assert!(matches!(
+            with(RestChoice::Rows { start: 700, end: 800 }),
+            Err(Error::TooFewPoints { given: 0, needed: 10 })
+        ));
+        let moving = turntable(6.0, 9.0..10.0, 0.9, 0.02);
+        let none = orient(&moving.0, &moving.1, &moving.2, &Settings::default());
+        assert!(matches!(none, Err(Error::NoRest { .. })), "{none:?}");
+        let forward = Settings { forward_axis_body: Some([0.0, 0.0, 1.0]), ..Settings::default() };
+        assert!(matches!(orient(&acc, &gyro, &dt, &forward), Err(Error::AxisNearVertical { .. })));
+    }
+}
