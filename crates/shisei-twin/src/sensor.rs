@@ -12,6 +12,10 @@ use crate::random::Random;
 const DEG: f64 = PI / 180.0;
 const MICRO_G: f64 = STANDARD_GRAVITY_M_S2 * 1e-6;
 const MILLI_G: f64 = STANDARD_GRAVITY_M_S2 * 1e-3;
+/// √60 s.
+const SQRT_MINUTE: f64 = 7.745_966_692_414_834;
+/// √(100 Hz / 2): from a deviation at 100 Hz to a density.
+const SQRT_50_HZ: f64 = 7.071_067_811_865_475;
 
 /// A 3×3 matrix, rows first.
 pub type Matrix = [[f64; 3]; 3];
@@ -70,7 +74,7 @@ impl Sensor {
             accelerometer: Triad {
                 full_scale: 16.0 * STANDARD_GRAVITY_M_S2,
                 count: 16.0 * STANDARD_GRAVITY_M_S2 / 32768.0,
-                noise_density: 0.03 / 7.071_067_811_865_475,
+                noise_density: 0.03 / SQRT_50_HZ,
                 bias_walk: 1e-4,
                 bias_sigma: 0.07,
                 scale_sigma: 0.003,
@@ -79,7 +83,7 @@ impl Sensor {
             gyroscope: Triad {
                 full_scale: 32768.0 * 0.001_063_7,
                 count: 0.001_063_7,
-                noise_density: 0.033 / 7.071_067_811_865_475,
+                noise_density: 0.033 / SQRT_50_HZ,
                 bias_walk: 1e-5,
                 bias_sigma: 0.01,
                 scale_sigma: 0.005,
@@ -88,8 +92,8 @@ impl Sensor {
         }
     }
 
-    /// LSM6DS3TR-C of the XIAO nRF52840 Sense at ±16 g, ±2000 °/s; typical values of its data sheet
-    /// (DocID030071, tables 3 and 4), random walks after measured Allan curves of such parts.
+    /// LSM6DS3TR-C, the sensor of the XIAO nRF52840 Sense, at ±16 g, ±2000 °/s: counts, noise and zero levels
+    /// as its data sheet states them as typical; scales, misalignment and random walks are assumed.
     pub fn lsm6ds3tr_c() -> Self {
         Sensor {
             name: "LSM6DS3TR-C",
@@ -114,8 +118,9 @@ impl Sensor {
         }
     }
 
-    /// Sony's multi-IMU add-on board CXD5602PWBIMU1J at ±2 g, ±125 °/s: noise 14 µg/√Hz and 1.0 m°/s/√Hz as
-    /// published; it sends 32-bit floats, which are finer than its noise, so there are no counts.
+    /// Sony's multi-IMU add-on board CXD5602PWBIMU at ±2 g, ±125 °/s: noise 14 µg/√Hz and 1.0 m°/s/√Hz and bias
+    /// instability 4.4 µg and 0.39 °/h as its maker states them, the instability taken as a walk a minute long;
+    /// deviations from part to part are assumed. It sends 32-bit floats, finer than its noise: no counts.
     pub fn spresense() -> Self {
         Sensor {
             name: "CXD5602PWBIMU",
@@ -123,7 +128,7 @@ impl Sensor {
                 full_scale: 2.0 * STANDARD_GRAVITY_M_S2,
                 count: 0.0,
                 noise_density: 14.0 * MICRO_G,
-                bias_walk: 4.4 * MICRO_G / 60.0,
+                bias_walk: 4.4 * MICRO_G / SQRT_MINUTE,
                 bias_sigma: 5.0 * MILLI_G,
                 scale_sigma: 0.003,
                 misalignment_sigma: 0.002,
@@ -132,7 +137,7 @@ impl Sensor {
                 full_scale: 125.0 * DEG,
                 count: 0.0,
                 noise_density: 0.001 * DEG,
-                bias_walk: 0.39 * DEG / 3600.0 / 60.0,
+                bias_walk: 0.39 * DEG / 3600.0 / SQRT_MINUTE,
                 bias_sigma: 0.1 * DEG,
                 scale_sigma: 0.003,
                 misalignment_sigma: 0.002,

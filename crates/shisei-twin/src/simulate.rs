@@ -36,7 +36,8 @@ pub struct Settings {
     pub world: World,
     /// The sensor's true calibration.
     pub errors: Errors,
-    /// Each sample comes up to this fraction of an interval early or late (uniform); its stamp says when.
+    /// Each sample but the first comes up to this fraction of an interval early or late (uniform); its stamp
+    /// says when. Below 0.5 the stamps ascend.
     pub jitter: f64,
     /// Probability that a sample is lost; the first and the last are kept.
     pub lost: f64,
@@ -84,6 +85,23 @@ pub struct Simulation {
     pub truth: Vec<Truth>,
     /// The sensor's true calibration.
     pub calibration: Calibration,
+}
+
+impl Simulation {
+    /// When the samples were taken, s.
+    pub fn time_s(&self) -> Vec<f64> {
+        self.samples.iter().map(|sample| sample.time_s).collect()
+    }
+
+    /// The accelerometer's raw readings, m/s².
+    pub fn acc_m_s2(&self) -> Vec<Vec3> {
+        self.samples.iter().map(|sample| sample.acc_m_s2).collect()
+    }
+
+    /// The gyroscope's raw readings, rad/s.
+    pub fn gyro_rad_s(&self) -> Vec<Vec3> {
+        self.samples.iter().map(|sample| sample.gyro_rad_s).collect()
+    }
 }
 
 /// Samples a movement from time 0 to its duration, both included.
