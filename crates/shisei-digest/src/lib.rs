@@ -5,6 +5,8 @@
 #![cfg_attr(not(test), no_std)]
 #![warn(missing_docs)]
 
+extern crate alloc;
+
 mod hash;
 mod input;
 mod topics;

@@ -1,5 +1,8 @@
 //! The topics: a file of the core each. What is added to the core is added here.
 
+mod filters;
+mod fits;
+mod rest;
 mod rotation;
 
 use crate::hash::Digest;
@@ -27,4 +30,17 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "vector", run: rotation::vector },
     Topic { name: "quaternion", run: rotation::quaternion },
     Topic { name: "euler", run: rotation::euler },
+    Topic { name: "relative", run: rotation::relative },
+    Topic { name: "heading", run: rotation::heading },
+    Topic { name: "exponential", run: filters::exponential },
+    Topic { name: "gyro", run: filters::gyro },
+    Topic { name: "mahony", run: filters::mahony },
+    Topic { name: "mahony_adaptive", run: filters::mahony_adaptive },
+    Topic { name: "complementary", run: filters::complementary },
+    Topic { name: "rest", run: rest::rest },
+    Topic { name: "search", run: rest::search },
+    Topic { name: "initial", run: rest::initial },
+    Topic { name: "statistics", run: fits::statistics },
+    Topic { name: "least_squares", run: fits::least_squares },
+    Topic { name: "allan", run: fits::allan },
 ];

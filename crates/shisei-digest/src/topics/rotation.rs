@@ -1,6 +1,6 @@
 //! Mathematics, vectors, quaternions, angles.
 
-use shisei_core::{Quaternion, Ypr, math, vector};
+use shisei_core::{Quaternion, Result, Ypr, heading, math, relative, vector};
 
 use crate::hash::Digest;
 use crate::input::Input;
@@ -100,4 +100,44 @@ pub fn euler(digest: &mut Digest) {
         digest.push_ypr(q.to_ypr());
         digest.push_ypr(input.quaternion().to_ypr());
     }
+}
+
+pub fn relative(digest: &mut Digest) {
+    let mut input = Input::new(5);
+    let initial = input.quaternion();
+    let rows: [Quaternion; 64] = core::array::from_fn(|_| input.quaternion());
+    for q in rows {
+        digest.push_result(relative::body(q, initial), Digest::push_quaternion);
+        digest.push_result(relative::world(q, initial), Digest::push_quaternion);
+    }
+    series(digest, |out| relative::body_series(&rows, initial, out));
+    series(digest, |out| relative::world_series(&rows, initial, out));
+    series(digest, |out| relative::convert_series(&rows, out));
+    let mut turned = [[0.0; 3]; 64];
+    let done = relative::rotate_series(&rows, input.vec3(3.0), &mut turned);
+    digest.push_result(done, |digest, ()| digest.push_all(turned.as_flattened()));
+    let angles: [[f64; 3]; 64] = core::array::from_fn(|_| input.vec3(3.0));
+    let mut back = [Quaternion::IDENTITY; 64];
+    let done = relative::from_ypr_series(&angles, &mut back);
+    digest.push_result(done, |digest, ()| back.into_iter().for_each(|q| digest.push_quaternion(q)));
+}
+
+/// Yaw, pitch and roll of what a series function writes.
+fn series(digest: &mut Digest, write: impl FnOnce(&mut [Ypr; 64]) -> Result<()>) {
+    let mut out = [Ypr::from_array([0.0; 3]); 64];
+    let done = write(&mut out);
+    digest.push_result(done, |digest, ()| out.into_iter().for_each(|ypr| digest.push_ypr(ypr)));
+}
+
+pub fn heading(digest: &mut Digest) {
+    let mut input = Input::new(6);
+    for _ in 0..128 {
+        let (q, axis) = (input.quaternion(), input.vec3(1.0));
+        digest.push_result(heading::from_forward_axis(q, axis), Digest::push_quaternion);
+        digest.push_u64(u64::from(heading::is_near_gimbal_lock(q)));
+    }
+    digest.push_result(
+        heading::from_forward_axis(Quaternion::IDENTITY, [0.0, 0.0, 1.0]),
+        Digest::push_quaternion,
+    );
 }
