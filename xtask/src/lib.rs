@@ -1,5 +1,7 @@
 //! What `cargo xtask` does, one topic a file.
 
+pub mod cross;
+pub mod digests;
 pub mod needs;
 pub mod project;
 pub mod run;

@@ -19,6 +19,8 @@ pub struct Needs {
     pub npm: Vec<&'static str>,
     /// Subcommands of cargo (`clippy`, `fmt`): components of rustup.
     pub cargo: Vec<&'static str>,
+    /// A command that does instead of the apt packages where its registry is reached.
+    pub instead: Option<&'static str>,
 }
 
 /// A Debian package and how to tell that it is there.
@@ -85,7 +87,8 @@ impl Needs {
         }
         let npm = self.npm.iter().copied().filter(|need| !npm_present(project, need)).collect();
         let cargo = self.cargo.iter().copied().filter(|name| !cargo_present(project, name)).collect();
-        Ok(Needs { apt: self.apt.iter().copied().filter(|need| !need.present()).collect(), pip, npm, cargo })
+        let apt = self.apt.iter().copied().filter(|need| !need.present()).collect();
+        Ok(Needs { apt, pip, npm, cargo, instead: self.instead })
     }
 
     /// Makes sure that everything is there; else the reason why the suite cannot run.
@@ -99,7 +102,8 @@ impl Needs {
             return Err(format!("missing {what}; install with `rustup component add`"));
         }
         if !install {
-            return Err(format!("missing {what}; `cargo xtask test --install {suite}` installs it"));
+            let instead = self.instead.map(|command| format!(" (or: {command})")).unwrap_or_default();
+            return Err(format!("missing {what}{instead}; `cargo xtask test --install {suite}` installs it"));
         }
         println!("suite {suite}: installing {what}");
         missing.install_apt()?;

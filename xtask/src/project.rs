@@ -49,6 +49,20 @@ impl Project {
         self.command(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
     }
 
+    /// Manifests of the workspaces beside the main one: firmware/*, fuzz.
+    pub fn other_workspaces(&self) -> Vec<PathBuf> {
+        let firmware = std::fs::read_dir(self.root.join("firmware"));
+        let folders = firmware.into_iter().flatten().flatten().map(|entry| entry.path());
+        let mut manifests: Vec<PathBuf> = folders
+            .chain([self.root.join("fuzz")])
+            .map(|folder| folder.join("Cargo.toml"))
+            .filter(|manifest| manifest.is_file())
+            .filter_map(|manifest| Some(manifest.strip_prefix(&self.root).ok()?.to_owned()))
+            .collect();
+        manifests.sort();
+        manifests
+    }
+
     /// Every file under version control, relative to the root.
     pub fn tracked_files(&self) -> Result<Vec<PathBuf>, String> {
         let output = self

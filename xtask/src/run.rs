@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::process::{Command, Stdio};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use crate::project::Project;
 use crate::tally::{self, Tally};
@@ -118,6 +118,39 @@ pub fn output_of(command: &mut Command) -> Result<String, String> {
         Ok(text)
     } else {
         Err(format!("{} ended with {}\n{text}", show(command), output.status))
+    }
+}
+
+/// As [`output_of`], but the command is ended when it takes longer than `limit`.
+pub fn output_within(command: &mut Command, limit: Duration) -> Result<String, String> {
+    let started = Instant::now();
+    let mut child = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .spawn()
+        .map_err(|error| format!("{} did not start: {error}", show(command)))?;
+    let mut stdout = child.stdout.take().ok_or("no standard output")?;
+    let reader = std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        // What came before an error is still worth showing.
+        let _ = stdout.read_to_end(&mut bytes);
+        String::from_utf8_lossy(&bytes).into_owned()
+    });
+    let status = loop {
+        if let Some(status) = child.try_wait().map_err(|error| error.to_string())? {
+            break Some(status);
+        }
+        if started.elapsed() > limit {
+            child.kill().and_then(|()| child.wait()).map_err(|error| error.to_string())?;
+            break None;
+        }
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let text = reader.join().unwrap_or_default();
+    match status {
+        Some(status) if status.success() => Ok(text),
+        Some(status) => Err(format!("{} ended with {status}\n{text}", show(command))),
+        None => Err(format!("{} took longer than {} s\n{text}", show(command), limit.as_secs())),
     }
 }
 

@@ -18,6 +18,11 @@ fn run(run: &mut Run<'_>) {
         run.check(name, outcome);
     }
     run.step("cargo fmt", project.cargo().args(["fmt", "--all", "--check"]));
+    for manifest in project.other_workspaces() {
+        let name = format!("cargo fmt {}", manifest.display());
+        let mut fmt = project.cargo();
+        run.step(&name, fmt.args(["fmt", "--check", "--manifest-path"]).arg(manifest));
+    }
     let clippy = ["clippy", "--quiet", "--workspace", "--all-targets", "--", "-D", "warnings"];
     run.step("cargo clippy", project.cargo().args(clippy));
     let mut doc = project.cargo();

@@ -1,6 +1,8 @@
 //! The suites. To add one: a file here with a `SUITE`, and its name in `ALL`.
 
 mod core;
+mod device;
+mod wasm;
 
 use std::process::ExitCode;
 use std::time::Instant;
@@ -21,7 +23,7 @@ pub struct Suite {
 }
 
 /// In the order in which they run.
-const ALL: &[Suite] = &[core::SUITE];
+const ALL: &[Suite] = &[core::SUITE, device::SUITE, wasm::SUITE];
 
 /// `cargo xtask test …`.
 pub fn command(project: &Project, words: &[&str]) -> ExitCode {

@@ -1,6 +1,7 @@
 //! `cargo xtask tidy`: what no compiler holds us to.
 
 mod dependencies;
+mod digest;
 mod documents;
 mod files;
 
@@ -13,6 +14,7 @@ const RULES: &[Rule] = &[
     ("crates depend on what ARCHITECTURE.md allows", dependencies::check),
     ("ARCHITECTURE.md names every crate", documents::architecture),
     ("the READMEs and the manuals say the same in both languages", documents::languages),
+    ("the digest covers the core", digest::check),
     ("links in documents lead somewhere", documents::links),
     ("no file is longer than 800 lines", files::length),
     ("nothing is left undone", files::leftovers),

@@ -1,0 +1,83 @@
+//! Building for another target: with the active toolchain where it has the target's standard library, else with
+//! Debian's compiler and the library's source.
+
+use std::path::PathBuf;
+use std::process::Command;
+
+use crate::needs::{Apt, Needs};
+use crate::project::Project;
+
+/// A target and what differs about it.
+#[derive(Clone, Copy, Debug)]
+pub struct Target {
+    pub triple: &'static str,
+    /// The parts of the library to build from source.
+    build_std: &'static str,
+    /// LLVM's linker under the name by which it knows its job.
+    linker: &'static str,
+}
+
+pub const CORTEX_M4F: Target =
+    Target { triple: "thumbv7em-none-eabihf", build_std: "core,alloc", linker: "ld.lld" };
+
+pub const WASM32: Target =
+    Target { triple: "wasm32-unknown-unknown", build_std: "std,panic_abort", linker: "wasm-ld" };
+
+impl Target {
+    /// Nothing where the active toolchain has the target; else Debian's packages.
+    pub fn needs(&self, project: &Project) -> Needs {
+        if self.in_active_toolchain(project) {
+            return Needs::default();
+        }
+        Needs {
+            apt: vec![
+                Apt::file("rustc-web", "/usr/share/doc/rustc-web"),
+                Apt::file("cargo-web", "/usr/share/doc/cargo-web"),
+                Apt::file("rust-web-src", "/usr/share/doc/rust-web-src"),
+                Apt::program("lld", self.linker),
+            ],
+            instead: Some(match self.triple {
+                "thumbv7em-none-eabihf" => "rustup target add thumbv7em-none-eabihf",
+                _ => "rustup target add wasm32-unknown-unknown",
+            }),
+            ..Needs::default()
+        }
+    }
+
+    /// `cargo build --release --target …`, for the caller to add what to build.
+    pub fn cargo_build(&self, project: &Project) -> Command {
+        let own = self.in_active_toolchain(project);
+        let mut cargo = if own { project.cargo() } else { project.command("/usr/bin/cargo") };
+        cargo.args(["build", "--quiet", "--release", "--target", self.triple, "--target-dir"]);
+        cargo.arg(folder(project));
+        if !own {
+            let name = self.triple.to_uppercase().replace('-', "_");
+            // Ours would send Debian's cargo to rustup's compiler.
+            for ours in ["CARGO", "RUSTUP_TOOLCHAIN", "LD_LIBRARY_PATH"] {
+                cargo.env_remove(ours);
+            }
+            cargo
+                .arg(format!("-Zbuild-std={}", self.build_std))
+                .env("RUSTC", "/usr/bin/rustc")
+                .env("RUSTC_BOOTSTRAP", "1")
+                .env(format!("CARGO_TARGET_{name}_LINKER"), self.linker);
+        }
+        cargo
+    }
+
+    /// Where the products of a release build are.
+    pub fn products(&self, project: &Project) -> PathBuf {
+        folder(project).join(self.triple).join("release")
+    }
+
+    fn in_active_toolchain(&self, project: &Project) -> bool {
+        let Ok(output) = project.command("rustc").args(["--print", "sysroot"]).output() else { return false };
+        let sysroot = PathBuf::from(String::from_utf8_lossy(&output.stdout).trim());
+        sysroot.join("lib/rustlib").join(self.triple).join("lib").is_dir()
+    }
+}
+
+/// Apart from the host's products, for another compiler may have made them.
+fn folder(project: &Project) -> PathBuf {
+    project.target().join("cross")
+}
