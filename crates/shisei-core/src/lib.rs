@@ -15,12 +15,14 @@
 #[cfg(feature = "alloc")]
 extern crate alloc;
 
+pub mod calibration;
 pub mod error;
 pub mod euler;
 pub mod filter;
 pub mod heading;
 pub mod initial;
 pub mod math;
+pub mod matrix;
 pub mod quaternion;
 pub mod relative;
 pub mod rest;
