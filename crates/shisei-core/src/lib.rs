@@ -16,6 +16,7 @@
 extern crate alloc;
 
 pub mod calibration;
+pub mod earth;
 pub mod error;
 pub mod euler;
 pub mod filter;
@@ -23,9 +24,11 @@ pub mod heading;
 pub mod initial;
 pub mod math;
 pub mod matrix;
+pub mod motion;
 pub mod quaternion;
 pub mod relative;
 pub mod rest;
+pub mod sphere;
 pub mod vector;
 
 pub use error::{Error, Face, Kind, Lang, Result};

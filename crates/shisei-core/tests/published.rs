@@ -3,7 +3,9 @@
 use std::path::Path;
 
 use shisei_core::calibration::Calibration;
+use shisei_core::earth::sidereal_day_s;
 use shisei_core::filter::{Dt, Filter, Mahony, run};
+use shisei_core::sphere::{fit_circle, fit_sphere};
 use shisei_core::{Quaternion, STANDARD_GRAVITY_M_S2, Vec3};
 
 /// The numbers of a fixture, a row a line, without the first column.
@@ -108,4 +110,20 @@ fn the_printed_calibration_gives_the_printed_rows() {
             assert!((gyro[k] - row[9 + k]).abs() <= 1.1e-5, "{gyro:?} {row:?}");
         }
     }
+}
+
+/// The sphere's condition number and the circle's radius are from a NumPy evaluation of the same table.
+#[test]
+fn the_eight_directions_give_the_printed_day() {
+    let points: Vec<Vec3> = fixture("earth_directions.csv").iter().map(|row| three(row, 0)).collect();
+    assert_eq!(points.len(), 8);
+    let sphere = fit_sphere(&points).unwrap();
+    assert!((sphere.radius - 7.657707e-5).abs() <= 5e-11, "{}", sphere.radius);
+    assert!((sphere.radius - 7.657709e-5).abs() <= 5e-12, "{}", sphere.radius);
+    let hours = sidereal_day_s(sphere.radius).unwrap() / 3600.0;
+    assert!((hours - 22.8).abs() < 0.05, "{hours}");
+    assert!((sphere.condition - 334.0).abs() < 1.0, "{}", sphere.condition);
+    assert!(sphere.is_nearly_flat());
+    let circle = fit_circle(&points).unwrap();
+    assert!((circle.radius - 6.3769e-5).abs() < 5e-10, "{}", circle.radius);
 }
