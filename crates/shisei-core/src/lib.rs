@@ -17,6 +17,8 @@ extern crate alloc;
 
 #[cfg(feature = "alloc")]
 pub mod allan;
+pub mod calibration;
+pub mod earth;
 pub mod error;
 pub mod euler;
 pub mod filter;
@@ -24,11 +26,14 @@ pub mod heading;
 pub mod initial;
 pub mod least_squares;
 pub mod math;
+pub mod matrix;
+pub mod motion;
 #[cfg(feature = "alloc")]
 pub mod orient;
 pub mod quaternion;
 pub mod relative;
 pub mod rest;
+pub mod sphere;
 pub mod statistics;
 pub mod vector;
 

@@ -8,11 +8,11 @@
 //! ```
 //!
 //! From one sample to the next only q (and i) must wait; all that depends on the sample alone, the square
-//! root and the division of 1/|a| with it, is prepared a block at a time before the chain.
+//! root and the division of 1/|a| with it, is prepared apart from the chain and overlaps the sample before.
 
 use super::exponential::{advance, direction};
 use super::gyro::half_turn;
-use super::{BLOCK, Dt, Filter, not_negative};
+use super::{Filter, not_negative};
 use crate::error::Result;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
@@ -56,21 +56,10 @@ impl Filter for Mahony {
     fn orientation(&self) -> Quaternion {
         self.chain.world_from_body
     }
-
-    fn update_block<O: From<Quaternion>>(
-        &mut self,
-        gyro_rad_s: &[Vec3],
-        acc_m_s2: &[Vec3],
-        dt: Dt<'_>,
-        out: &mut [O],
-    ) {
-        let kp = self.kp;
-        self.chain.steps(gyro_rad_s, acc_m_s2, dt, out, |_| kp);
-    }
 }
 
 /// What of a step depends on its sample alone.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Prepared {
     /// ½ ω dt.
     half_turn: Vec3,
@@ -128,31 +117,5 @@ impl Chain {
             self.integral_rad_s = i;
         }
         vector::add(sample.half_turn, half_turn(self.integral_rad_s, dt_s))
-    }
-
-    #[inline(always)]
-    pub(super) fn steps<O: From<Quaternion>>(
-        &mut self,
-        gyro_rad_s: &[Vec3],
-        acc_m_s2: &[Vec3],
-        dt: Dt<'_>,
-        out: &mut [O],
-        gain: impl Fn(f64) -> f64 + Copy,
-    ) {
-        let rows = out.len().min(gyro_rad_s.len()).min(acc_m_s2.len());
-        let mut prepared = [Prepared::default(); BLOCK];
-        let mut start = 0;
-        while start < rows {
-            let end = rows.min(start + BLOCK);
-            for (slot, k) in prepared.iter_mut().zip(start..end) {
-                *slot = Prepared::new(gyro_rad_s[k], acc_m_s2[k], dt.at(k), gain);
-            }
-            let mut chain = *self;
-            for (slot, k) in prepared.iter().zip(start..end) {
-                out[k] = O::from(chain.step(slot, dt.at(k)));
-            }
-            *self = chain;
-            start = end;
-        }
     }
 }

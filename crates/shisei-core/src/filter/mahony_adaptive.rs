@@ -1,7 +1,7 @@
 //! Mahony's filter whose gain falls while the accelerometer reads something else than gravity.
 
 use super::mahony::{Chain, Prepared};
-use super::{Dt, Filter, not_negative, positive};
+use super::{Filter, not_negative, positive};
 use crate::STANDARD_GRAVITY_M_S2;
 use crate::error::{Error, Result};
 use crate::quaternion::Quaternion;
@@ -125,16 +125,5 @@ impl Filter for MahonyAdaptive {
 
     fn orientation(&self) -> Quaternion {
         self.chain.world_from_body
-    }
-
-    fn update_block<O: From<Quaternion>>(
-        &mut self,
-        gyro_rad_s: &[Vec3],
-        acc_m_s2: &[Vec3],
-        dt: Dt<'_>,
-        out: &mut [O],
-    ) {
-        let (gain, factor) = (self.gain, self.to_standard_gravity);
-        self.chain.steps(gyro_rad_s, acc_m_s2, dt, out, |norm| gain.kp_unchecked(norm * factor));
     }
 }

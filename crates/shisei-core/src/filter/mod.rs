@@ -25,8 +25,8 @@ use crate::error::{Error, Result};
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
-/// Samples of a block of [`Filter::update_block`]: small enough for the stack of a microcontroller.
-pub(crate) const BLOCK: usize = 32;
+/// Rows that are checked together before they are used, while they are in the nearest cache.
+const BLOCK: usize = 128;
 
 /// The time from one sample to the next, s.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,22 +38,13 @@ pub enum Dt<'a> {
     PerSample(&'a [f64]),
 }
 
-impl<'a> Dt<'a> {
+impl Dt<'_> {
     /// The step that leads to sample k, s.
     #[inline]
     pub fn at(self, k: usize) -> f64 {
         match self {
             Dt::Constant(dt_s) => dt_s,
             Dt::PerSample(dt_s) => dt_s[k],
-        }
-    }
-
-    /// The steps of samples `start..end`.
-    #[inline]
-    fn part(self, start: usize, end: usize) -> Dt<'a> {
-        match self {
-            Dt::Constant(_) => self,
-            Dt::PerSample(dt_s) => Dt::PerSample(&dt_s[start..end]),
         }
     }
 
@@ -89,22 +80,6 @@ pub trait Filter {
 
     /// The attitude now, `world_from_body`.
     fn orientation(&self) -> Quaternion;
-
-    /// Many samples whose lengths agree; the same bits as a loop over [`Filter::update`]. The result may be
-    /// asked for as [`Quaternion`], `[f64; 4]`, [`Ypr`](crate::Ypr) or `[f64; 3]` (yaw, pitch, roll).
-    fn update_block<O: From<Quaternion>>(
-        &mut self,
-        gyro_rad_s: &[Vec3],
-        acc_m_s2: &[Vec3],
-        dt: Dt<'_>,
-        out: &mut [O],
-    ) where
-        Self: Sized,
-    {
-        for (k, (row, (&gyro, &acc))) in out.iter_mut().zip(gyro_rad_s.iter().zip(acc_m_s2)).enumerate() {
-            *row = O::from(self.update(gyro, acc, dt.at(k)));
-        }
-    }
 }
 
 impl<F: Filter + ?Sized> Filter for &mut F {
@@ -131,8 +106,9 @@ impl<F: Filter + ?Sized> Filter for alloc::boxed::Box<F> {
 /// Runs a filter over a series and writes row k = state after sample k into `out`.
 ///
 /// Refused: unequal lengths, numbers that are not finite (with their row), steps that are not greater than
-/// zero. After a refusal the contents of `out` and the filter's state are those of the blocks before it.
-pub fn run_into<F: Filter, O: From<Quaternion>>(
+/// zero. The result may be asked for as [`Quaternion`], `[f64; 4]`, [`Ypr`](crate::Ypr) or `[f64; 3]` (yaw,
+/// pitch, roll). After a refusal `out` and the filter have seen some of the rows before the refused one.
+pub fn run_into<F: Filter + ?Sized, O: From<Quaternion>>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
     acc_m_s2: &[Vec3],
@@ -146,10 +122,11 @@ pub fn run_into<F: Filter, O: From<Quaternion>>(
     let mut start = 0;
     while start < rows {
         let end = rows.min(start + BLOCK);
-        let (gyro, acc) = (&gyro_rad_s[start..end], &acc_m_s2[start..end]);
-        check_rows(gyro, start)?;
-        check_rows(acc, start)?;
-        filter.update_block(gyro, acc, dt.part(start, end), &mut out[start..end]);
+        check_rows(&gyro_rad_s[start..end], start)?;
+        check_rows(&acc_m_s2[start..end], start)?;
+        for k in start..end {
+            out[k] = O::from(filter.update(gyro_rad_s[k], acc_m_s2[k], dt.at(k)));
+        }
         start = end;
     }
     Ok(())
@@ -157,7 +134,7 @@ pub fn run_into<F: Filter, O: From<Quaternion>>(
 
 /// [`run_into`] with a new vector.
 #[cfg(feature = "alloc")]
-pub fn run<F: Filter, O: From<Quaternion> + Clone>(
+pub fn run<F: Filter + ?Sized, O: From<Quaternion> + Clone>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
     acc_m_s2: &[Vec3],

@@ -1,0 +1,14 @@
+//! Calibrations: what a sensor's readings are corrected by, and how it is found.
+
+mod apply;
+mod fit;
+#[cfg(feature = "alloc")]
+mod search;
+mod six_face;
+
+pub use apply::{Calibration, SensorModel};
+#[cfg(feature = "alloc")]
+pub use search::search_faces;
+#[cfg(feature = "alloc")]
+pub use six_face::six_face;
+pub use six_face::{FaceRow, FaceState, FaceTable, FaceWindow, SixFace, SixFaceSettings, solve};

@@ -1,0 +1,5 @@
+//! From acceleration to velocity and position.
+
+mod dead_reckoning;
+
+pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};
