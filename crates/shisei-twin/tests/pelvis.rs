@@ -46,6 +46,21 @@ fn attitude_is_within_one_degree_of_the_truth() {
     assert!(worst < 1.0, "{worst} deg");
 }
 
+/// Not by the luck of one seed. With the noise of the printed rows the heading wanders further; those
+/// figures are printed only.
+#[test]
+fn attitude_stays_within_one_degree_for_other_seeds() {
+    for noise in [0.1, 1.0] {
+        let mut worst: Vec<f64> = (0..100)
+            .map(|seed| recordings::pelvis_with_noise(noise, seed))
+            .map(|simulation| worst_deg(&simulation, &orient(&simulation, Some([0.0, 0.0, 1.0]))))
+            .collect();
+        worst.sort_by(f64::total_cmp);
+        println!("noise {noise}: median {:.2} deg, largest {:.2} deg", worst[50], worst[99]);
+        assert!(noise > 0.5 || worst[99] < 1.0, "{worst:?}");
+    }
+}
+
 /// With the wearer's forward axis each movement shows in its own angle and stays under 2° in the others.
 #[test]
 fn with_a_forward_axis_twist_bend_and_lean_do_not_mix() {
