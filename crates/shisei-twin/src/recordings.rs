@@ -42,14 +42,19 @@ pub fn files() -> Vec<File> {
 /// quieter than that of the printed rows: with theirs 3 s of rest leave 0.1 °/s of bias, and the recording
 /// would show the sensor's noise rather than the movement.
 pub fn pelvis() -> Simulation {
+    pelvis_with_noise(0.1, 1)
+}
+
+/// [`pelvis`] with the gyroscope's noise as a share of that of the printed rows, and a seed.
+pub fn pelvis_with_noise(gyroscope_noise: f64, seed: u64) -> Simulation {
     let mut sensor = Sensor::mu_01_like();
-    sensor.gyroscope.noise_density *= 0.1;
+    sensor.gyroscope.noise_density *= gyroscope_noise;
     let mut gyroscope = Correction::diagonal([0.0117, -0.0213, 0.0234], [1.002, 0.9985, 1.0015]);
     gyroscope.matrix[0][1] = 0.003;
     gyroscope.matrix[2][0] = -0.002;
     let accelerometer = Correction::diagonal([-0.027, 0.012, 0.018], [0.9994, 0.9996, 0.9996]);
     let calibration = Calibration { accelerometer, gyroscope };
-    let settings = Settings { errors: Errors::Given(calibration), ..Settings::new(RATE_HZ, 1) };
+    let settings = Settings { errors: Errors::Given(calibration), ..Settings::new(RATE_HZ, seed) };
     simulate(&movements::pelvis(), &sensor, &settings)
 }
 
