@@ -3,12 +3,13 @@
 use std::process::ExitCode;
 
 use xtask::project::Project;
-use xtask::{suite, tidy};
+use xtask::{bench, suite, tidy};
 
 const USAGE: &str = "\
 cargo xtask test [--install] [SUITE …]   run the suites (all without a name); --install fetches what is missing
 cargo xtask test --list                  the suites and what each needs
 cargo xtask tidy                         rules that no compiler holds us to
+cargo xtask bench accuracy               orientation errors on BROAD, ours and our peers' [--install] [--no-peers]
 ";
 
 fn main() -> ExitCode {
@@ -17,6 +18,7 @@ fn main() -> ExitCode {
     let project = Project::here();
     match words.split_first() {
         Some((&"test", rest)) => suite::command(&project, rest),
+        Some((&"bench", ["accuracy", rest @ ..])) => finish(bench::accuracy::command(&project, rest)),
         Some((&"tidy", [])) => report_tidy(&project),
         Some((&("help" | "--help" | "-h"), _)) => {
             print!("{USAGE}");
@@ -41,4 +43,14 @@ fn report_tidy(project: &Project) -> ExitCode {
         }
     }
     code
+}
+
+fn finish(outcome: Result<(), String>) -> ExitCode {
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(reason) => {
+            eprintln!("{reason}");
+            ExitCode::FAILURE
+        }
+    }
 }

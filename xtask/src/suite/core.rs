@@ -1,6 +1,7 @@
 //! Formatting, lints, documentation and every test that needs Rust only.
 
 use super::Suite;
+use crate::bench::accuracy;
 use crate::needs::Needs;
 use crate::run::Run;
 use crate::tidy;
@@ -8,7 +9,7 @@ use crate::tidy;
 pub const SUITE: Suite = Suite {
     name: "core",
     about: "formatting, lints, documentation, the tests of all crates",
-    needs: |_| Needs { cargo: vec!["fmt", "clippy"], ..Needs::default() },
+    needs: |project| Needs { cargo: vec!["fmt", "clippy"], ..accuracy::needs(project) },
     run,
 };
 

@@ -1,0 +1,6 @@
+//! `cargo xtask bench …`: numbers that the documentation quotes.
+
+pub mod accuracy;
+mod estimators;
+mod metrics;
+mod trial;
