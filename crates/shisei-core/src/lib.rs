@@ -17,6 +17,7 @@ extern crate alloc;
 
 #[cfg(feature = "alloc")]
 pub mod allan;
+pub mod calibration;
 pub mod error;
 pub mod euler;
 pub mod filter;
