@@ -78,9 +78,9 @@ fn imucal_six_faces_and_three_turns() {
     let found = known_turns::calibrate(&parts, 1.0 / 204.8, turn, 9.81).unwrap();
 
     let numbers = |key: &str| -> Vec<f64> {
-        let at = expected.find(&format!("\"{key}\"")).unwrap();
+        let at = expected.find(&format!("\"{key}\"")).unwrap() + key.len() + 2;
         let tail = &expected[at..];
-        let end = tail[4..].find('"').map_or(tail.len(), |e| e + 4);
+        let end = tail.find('"').unwrap_or(tail.len());
         tail[..end]
             .split(|c: char| !(c.is_ascii_digit() || "+-.eE".contains(c)))
             .filter_map(|t| t.parse().ok())
