@@ -12,3 +12,16 @@ pub use search::search_faces;
 #[cfg(feature = "alloc")]
 pub use six_face::six_face;
 pub use six_face::{FaceRow, FaceState, FaceTable, FaceWindow, SixFace, SixFaceSettings, solve};
+//! Calibration of accelerometers and gyroscopes.
+
+pub mod affine;
+#[cfg(feature = "alloc")]
+pub mod gyro_turns;
+#[cfg(feature = "alloc")]
+pub mod known_turns;
+#[cfg(feature = "alloc")]
+pub mod multi_pose;
+#[cfg(feature = "alloc")]
+pub mod recording;
+#[cfg(feature = "alloc")]
+pub mod still;

@@ -1,0 +1,138 @@
+//! Accelerometer, gyroscope and acceleration sensitivity from six faces and three known turns.
+//!
+//! Ferraris, Grimaldi & Parvis 1995: the sensor rests on its six faces, then turns through a known angle about
+//! each of its three axes. All axes are those of the case, which must lie true: unlike the norm fits this gives
+//! the full matrices, and errors of placement go into them. With ū± the mean readings on the faces,
+//! `S = (Ū₊ − Ū₋) / 2g`, bias `= diag(Ū₊ + Ū₋)/2`, matrix `= S⁻¹`; with w the offset-corrected integral of a turn
+//! of angle φ, `S_g = [w_x w_y w_z] / φ`, matrix `= S_g⁻¹`.
+
+use crate::calibration::affine::Affine;
+use crate::calibration::still::moments;
+use crate::error::{Error, Result};
+use crate::least_squares::{Square, inverse3};
+use crate::vector::{self, Vec3};
+
+/// Rows of one part of the procedure: accelerometer and gyroscope, raw.
+#[derive(Clone, Copy, Debug)]
+pub struct Part<'a> {
+    /// Accelerometer rows.
+    pub acc: &'a [Vec3],
+    /// Gyroscope rows, as many.
+    pub gyro: &'a [Vec3],
+}
+
+/// The nine parts. Index 0, 1, 2 is the axis x, y, z.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts<'a> {
+    /// At rest with the axis up (it reads +g).
+    pub up: [Part<'a>; 3],
+    /// At rest with the axis down (it reads −g).
+    pub down: [Part<'a>; 3],
+    /// Turning about the axis.
+    pub turn: [Part<'a>; 3],
+}
+
+/// The angle of each turn.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum TurnAngle {
+    /// Its size in rad; the direction is taken from the reading.
+    Size(f64),
+    /// With its sign, right-handed about the axis, rad; a gyroscope that reads the other way comes out reversed.
+    Signed(f64),
+}
+
+/// The result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct KnownTurns {
+    /// Accelerometer, to m/s².
+    pub accelerometer: Affine,
+    /// Gyroscope, to rad/s.
+    pub gyroscope: Affine,
+    /// Raw gyro reading per m/s² (column: axis of the acceleration). `corrected = matrix · (raw − bias − K a)`.
+    pub gyro_per_acceleration: Square<3>,
+    /// Standard error of the accelerometer's bias from the noise of the means, raw unit.
+    pub acc_bias_sigma: Vec3,
+    /// Standard error of the gyroscope's bias from the noise of the means, raw unit.
+    pub gyro_bias_sigma: Vec3,
+}
+
+/// Calibrates from the nine parts. `dt_s` between rows, gravity in m/s².
+///
+/// Refuses with [`Error::Empty`], [`Error::LengthMismatch`], [`Error::NotFinite`] and [`Error::Degenerate`]
+/// (faces mixed up or turns without rotation).
+pub fn calibrate(parts: &Parts<'_>, dt_s: f64, angle: TurnAngle, gravity_m_s2: f64) -> Result<KnownTurns> {
+    for (name, value) in [("dt", dt_s), ("gravity", gravity_m_s2)] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(Error::NotPositive { name, value });
+        }
+    }
+    for part in parts.up.iter().chain(&parts.down).chain(&parts.turn) {
+        if part.acc.is_empty() {
+            return Err(Error::Empty);
+        }
+        if part.acc.len() != part.gyro.len() {
+            return Err(Error::LengthMismatch { first: part.acc.len(), second: part.gyro.len() });
+        }
+        let bad = |(a, g): (&Vec3, &Vec3)| !(vector::is_finite(*a) && vector::is_finite(*g));
+        if let Some(row) = part.acc.iter().zip(part.gyro).position(bad) {
+            return Err(Error::NotFinite { row });
+        }
+    }
+    let (mut acc_s, mut gyro_per_acceleration) = ([[0.0; 3]; 3], [[0.0; 3]; 3]);
+    let (mut acc_bias, mut acc_bias_sigma) = ([0.0; 3], [0.0; 3]);
+    let (mut gyro_sum, mut gyro_square, mut rows) = ([0.0; 3], [0.0; 3], 0.0);
+    for axis in 0..3 {
+        let (up, up_variance) = moments(parts.up[axis].acc);
+        let (down, down_variance) = moments(parts.down[axis].acc);
+        let (gyro_up, gyro_up_variance) = moments(parts.up[axis].gyro);
+        let (gyro_down, gyro_down_variance) = moments(parts.down[axis].gyro);
+        let (n, m) = (parts.up[axis].acc.len() as f64, parts.down[axis].acc.len() as f64);
+        for row in 0..3 {
+            acc_s[row][axis] = (up[row] - down[row]) / (2.0 * gravity_m_s2);
+            gyro_per_acceleration[row][axis] = (gyro_up[row] - gyro_down[row]) / (2.0 * gravity_m_s2);
+            gyro_sum[row] += n * gyro_up[row] + m * gyro_down[row];
+            gyro_square[row] += n * gyro_up_variance[row] + m * gyro_down_variance[row];
+        }
+        rows += n + m;
+        acc_bias[axis] = 0.5 * (up[axis] + down[axis]);
+        acc_bias_sigma[axis] = 0.5 * crate::math::sqrt(up_variance[axis] / n + down_variance[axis] / m);
+    }
+    let accelerometer = Affine { bias: acc_bias, matrix: inverse3(&acc_s)? };
+    let gyro_bias = vector::scale(gyro_sum, 1.0 / rows);
+    let mut gyro_bias_sigma = [0.0; 3];
+    for i in 0..3 {
+        gyro_bias_sigma[i] = crate::math::sqrt(gyro_square[i]) / rows;
+    }
+    let mut gyro_s = [[0.0; 3]; 3];
+    for axis in 0..3 {
+        let mut w = [0.0; 3];
+        for (acc, gyro) in parts.turn[axis].acc.iter().zip(parts.turn[axis].gyro) {
+            let a = accelerometer.apply(*acc);
+            for i in 0..3 {
+                w[i] += (gyro[i] - gyro_bias[i] - vector::dot(gyro_per_acceleration[i], a)) * dt_s;
+            }
+        }
+        let phi = match angle {
+            TurnAngle::Signed(phi) => phi,
+            TurnAngle::Size(phi) => {
+                if w[axis] < 0.0 {
+                    -phi.abs()
+                } else {
+                    phi.abs()
+                }
+            }
+        };
+        if !(phi.is_finite() && phi != 0.0) {
+            return Err(Error::NotPositive { name: "turns", value: phi });
+        }
+        // a turn about this axis must be seen mostly by this axis
+        if w[axis].abs() < 0.7 * vector::norm(w) {
+            return Err(Error::Degenerate);
+        }
+        for i in 0..3 {
+            gyro_s[i][axis] = w[i] / phi;
+        }
+    }
+    let gyroscope = Affine { bias: gyro_bias, matrix: inverse3(&gyro_s)? };
+    Ok(KnownTurns { accelerometer, gyroscope, gyro_per_acceleration, acc_bias_sigma, gyro_bias_sigma })
+}
