@@ -12,8 +12,6 @@ pub use search::search_faces;
 #[cfg(feature = "alloc")]
 pub use six_face::six_face;
 pub use six_face::{FaceRow, FaceState, FaceTable, FaceWindow, SixFace, SixFaceSettings, solve};
-//! Calibration of accelerometers and gyroscopes.
-
 pub mod affine;
 #[cfg(feature = "alloc")]
 pub mod gyro_turns;
