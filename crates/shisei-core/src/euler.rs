@@ -57,6 +57,11 @@ impl Quaternion {
     }
 
     /// To yaw, pitch, roll. Pitch is `atan2(−R20, hypot(R00, R10))`, so it keeps its digits near ±π/2.
+    ///
+    /// Yaw and roll come from their half sum and half difference,
+    /// `½(yaw + roll) = atan2(z + x, w − y)` and `½(yaw − roll) = atan2(z − x, w + y)`: near pitch ±π/2 one of the
+    /// two is lost in rounding, but it is the one that hardly matters there, so that the three angles
+    /// together stay the same rotation (E. Bernardes, S. Viollet, PLoS ONE 17(11), 2022).
     pub fn to_ypr(self) -> Ypr {
         let Quaternion { w, x, y, z } = self;
         let r00 = (w * w + x * x) - (y * y + z * z);
@@ -65,12 +70,28 @@ impl Quaternion {
         let c = math::hypot(r00, r10);
         let pitch_rad = math::atan2(-r20, c);
         if c < GIMBAL_LOCK_COS {
-            let r01 = 2.0 * (x * y - w * z);
-            let r11 = (w * w + y * y) - (x * x + z * z);
-            return Ypr { yaw_rad: math::atan2(-r01, r11), pitch_rad, roll_rad: 0.0 };
+            // nose up: only yaw − roll is determined; nose down: only yaw + roll
+            let half = if r20 < 0.0 { math::atan2(z - x, w + y) } else { math::atan2(z + x, w - y) };
+            return Ypr { yaw_rad: wrapped(2.0 * half), pitch_rad, roll_rad: 0.0 };
         }
-        let r21 = 2.0 * (y * z + w * x);
-        let r22 = (w * w + z * z) - (x * x + y * y);
-        Ypr { yaw_rad: math::atan2(r10, r00), pitch_rad, roll_rad: math::atan2(r21, r22) }
+        let half_sum = math::atan2(z + x, w - y);
+        let half_difference = math::atan2(z - x, w + y);
+        Ypr {
+            yaw_rad: wrapped(half_sum + half_difference),
+            pitch_rad,
+            roll_rad: wrapped(half_sum - half_difference),
+        }
+    }
+}
+
+/// −2π … 2π to −π … π.
+#[inline]
+fn wrapped(angle_rad: f64) -> f64 {
+    if angle_rad > core::f64::consts::PI {
+        angle_rad - core::f64::consts::TAU
+    } else if angle_rad < -core::f64::consts::PI {
+        angle_rad + core::f64::consts::TAU
+    } else {
+        angle_rad
     }
 }
