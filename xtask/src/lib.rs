@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod cross;
 pub mod digests;
+pub mod fuzz;
 pub mod needs;
 pub mod project;
 pub mod run;

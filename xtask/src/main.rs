@@ -3,13 +3,14 @@
 use std::process::ExitCode;
 
 use xtask::project::Project;
-use xtask::{bench, suite, tidy};
+use xtask::{bench, fuzz, suite, tidy};
 
 const USAGE: &str = "\
 cargo xtask test [--install] [SUITE …]   run the suites (all without a name); --install fetches what is missing
 cargo xtask test --list                  the suites and what each needs
 cargo xtask tidy                         rules that no compiler holds us to
 cargo xtask bench accuracy               orientation errors on BROAD, ours and our peers' [--install] [--no-peers]
+cargo xtask soak [MINUTES] [TARGET …]    fuzzes every importer for longer (10 min each)
 ";
 
 fn main() -> ExitCode {
@@ -19,6 +20,7 @@ fn main() -> ExitCode {
     match words.split_first() {
         Some((&"test", rest)) => suite::command(&project, rest),
         Some((&"bench", ["accuracy", rest @ ..])) => finish(bench::accuracy::command(&project, rest)),
+        Some((&"soak", rest)) => finish(fuzz::soak(&project, rest)),
         Some((&"tidy", [])) => report_tidy(&project),
         Some((&("help" | "--help" | "-h"), _)) => {
             print!("{USAGE}");

@@ -2,14 +2,22 @@
 
 use super::Suite;
 use crate::bench::accuracy;
+use crate::fuzz::{self, Fuzzer};
 use crate::needs::Needs;
-use crate::run::Run;
+use crate::run::{Run, heading};
 use crate::tidy;
+
+/// A target.
+const FUZZ_SECONDS: u64 = 15;
 
 pub const SUITE: Suite = Suite {
     name: "core",
     about: "formatting, lints, documentation, the tests of all crates",
-    needs: |project| Needs { cargo: vec!["fmt", "clippy"], ..accuracy::needs(project) },
+    needs: |project| Needs {
+        cargo: vec!["fmt", "clippy"],
+        apt: fuzz::needs(project),
+        ..accuracy::needs(project)
+    },
     run,
 };
 
@@ -30,4 +38,20 @@ fn run(run: &mut Run<'_>) {
     doc.args(["doc", "--quiet", "--workspace", "--no-deps"]);
     run.step("cargo doc", doc.env("RUSTDOCFLAGS", "-D warnings"));
     run.cargo_test("cargo test", project.cargo().args(["test", "--workspace"]));
+    if fuzz::is_there(project) {
+        fuzz_briefly(run);
+    }
+}
+
+/// Every importer, briefly; `cargo xtask soak` is for longer.
+fn fuzz_briefly(run: &mut Run<'_>) {
+    heading("fuzz");
+    match Fuzzer::build(run.project) {
+        Ok(fuzzer) => {
+            for target in &fuzzer.targets {
+                run.check(&format!("fuzz {target}"), fuzzer.run(target, FUZZ_SECONDS, Some(1)));
+            }
+        }
+        Err(reason) => run.fail("fuzz", &reason),
+    }
 }
