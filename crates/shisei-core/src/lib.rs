@@ -30,6 +30,7 @@ pub mod matrix;
 pub mod motion;
 #[cfg(feature = "alloc")]
 pub mod orient;
+pub mod motion;
 pub mod quaternion;
 pub mod relative;
 pub mod rest;
