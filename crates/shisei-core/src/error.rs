@@ -123,6 +123,13 @@ pub enum Error {
         /// The needed length, s.
         needed_s: f64,
     },
+    /// The sensor moved for longer without a rest than a result can be trusted for.
+    TooLongWithoutRest {
+        /// Longest time without a rest, s.
+        seconds: f64,
+        /// The limit, s.
+        limit_s: f64,
+    },
     /// Parameters must ascend in a stated order.
     OutOfOrder {
         /// The rule, as an inequality.
@@ -177,6 +184,7 @@ impl Error {
             Error::NotStable { .. }
             | Error::AxisNearVertical { .. }
             | Error::NoRest { .. }
+            | Error::TooLongWithoutRest { .. }
             | Error::FaceMissing { .. }
             | Error::ScaleOutOfBounds { .. }
             | Error::TooFewPoints { .. }
@@ -263,6 +271,11 @@ fn english(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
              nearer to the horizontal at the start",
             angle_rad.to_degrees()
         ),
+        Error::TooLongWithoutRest { seconds, limit_s } => write!(
+            f,
+            "the sensor moved for {seconds:.1} s without a rest, more than the {limit_s} s for which position \
+             can be trusted; rest more often, or insist with --force (maxWithoutRest)"
+        ),
         Error::NoRest { needed_s } => write!(
             f,
             "no rest of {needed_s} s or more was found; keep the sensor still at the start, or state the rest"
@@ -331,6 +344,11 @@ fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
             "指定した軸が鉛直から {:.1} 度しか離れておらず、方位が決まりません。\
              開始時に水平に近い軸を選んでください",
             angle_rad.to_degrees()
+        ),
+        Error::TooLongWithoutRest { seconds, limit_s } => write!(
+            f,
+            "静止なしで {seconds:.1} 秒動いています。位置を信頼できる上限は {limit_s} 秒です。\
+             途中で静止させるか、--force (maxWithoutRest) で続行してください"
         ),
         Error::NoRest { needed_s } => write!(
             f,

@@ -3,3 +3,10 @@
 mod dead_reckoning;
 
 pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};
+//! Velocity and position from readings, with an error band.
+
+pub mod error_state;
+#[cfg(feature = "alloc")]
+pub mod navigation;
+#[cfg(feature = "alloc")]
+pub mod rest_to_rest;
