@@ -272,12 +272,7 @@ mod tests {
 
     fn step() -> Step {
         let q = crate::Quaternion::new(0.5, -0.1, 0.7, 0.3).normalized();
-        Step {
-            rotation: q.to_matrix(),
-            acc_body: [1.0, -2.0, 9.0],
-            rate_body: [0.3, 2.0, -1.0],
-            dt_s: 0.01,
-        }
+        Step { rotation: q.to_matrix(), acc_body: [1.0, -2.0, 9.0], rate_body: [0.3, 2.0, -1.0], dt_s: 0.01 }
     }
 
     #[test]

@@ -3,7 +3,6 @@
 mod dead_reckoning;
 
 pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};
-//! Velocity and position from readings, with an error band.
 
 pub mod error_state;
 #[cfg(feature = "alloc")]

@@ -11,8 +11,8 @@ use crate::error::{Error, Result};
 use crate::filter::Dt;
 use crate::math;
 use crate::motion::error_state::{
-    ACC_BIAS, ACC_MATRIX, ATTITUDE, Adjoint, Covariance, GYRO_BIAS, GYRO_MATRIX, POSITION, ProcessNoise, STATES,
-    State, Step, Update, VELOCITY, propagate, update,
+    ACC_BIAS, ACC_MATRIX, ATTITUDE, Adjoint, Covariance, GYRO_BIAS, GYRO_MATRIX, POSITION, ProcessNoise,
+    STATES, State, Step, Update, VELOCITY, propagate, update,
 };
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
@@ -392,8 +392,7 @@ impl<'a> Run<'a> {
         let world_before = self.q.rotate(acc_before);
         let middle = self.q.product(Quaternion::from_rotation_vector(vector::scale(rate, 0.5 * dt_s)));
         self.q = self.q.product(Quaternion::from_rotation_vector(vector::scale(rate, dt_s))).normalized();
-        let mut acc_world =
-            vector::scale(vector::add(world_before, self.q.rotate(acc_after)), 0.5);
+        let mut acc_world = vector::scale(vector::add(world_before, self.q.rotate(acc_after)), 0.5);
         acc_world[2] -= self.settings.gravity_m_s2;
         let velocity = vector::add(self.velocity, vector::scale(acc_world, dt_s));
         let mean = vector::scale(vector::add(self.velocity, velocity), 0.5);
