@@ -1,4 +1,5 @@
 //! Properties that hold for all inputs.
+#![cfg(feature = "alloc")]
 
 use proptest::prelude::*;
 use shisei_core::calibration::{SixFaceSettings, six_face};

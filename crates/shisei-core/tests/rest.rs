@@ -1,4 +1,5 @@
 //! Rests of made-up recordings are found at every rate, with bias, noise and uneven time, and movement is not.
+#![cfg(feature = "alloc")]
 
 use std::ops::Range;
 
