@@ -385,3 +385,47 @@ fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn stays_small() {
+        assert!(size_of::<Error>() <= 32);
+    }
+
+    /// Every sentence ends without a full stop, has no NaN in it and is Japanese where it says so.
+    #[test]
+    fn sentences_in_both_languages() {
+        let face = Face::ALL[3];
+        for error in [
+            Error::Empty,
+            Error::LengthMismatch { first: 1, second: 2 },
+            Error::NotFinite { row: 4 },
+            Error::ZeroQuaternion { row: 4 },
+            Error::ZeroAxis,
+            Error::NotARotation,
+            Error::NotPositive { name: "dt", value: 0.0 },
+            Error::Negative { name: "kp", value: -1.0 },
+            Error::OutOfRange { rule: "0 <= alpha <= 1", value: 2.0 },
+            Error::ZeroAcceleration,
+            Error::AxisNearVertical { angle_rad: 0.1 },
+            Error::NoRest { needed_s: 1.0 },
+            Error::OutOfOrder { rule: "a < b" },
+            Error::NotStable { variance: 1.0, mean_norm: 9.8 },
+            Error::FaceMissing { face },
+            Error::ScaleOutOfBounds { axis: 1, scale: 1.5 },
+            Error::TooFewPoints { given: 3, needed: 4 },
+            Error::Degenerate,
+            Error::NoConvergence,
+        ] {
+            let english = std::format!("{error}");
+            let japanese = std::format!("{}", error.sentence(Lang::Ja));
+            assert!(english.is_ascii() && english.len() > 20 && !english.contains("  "), "{english}");
+            assert!(japanese.chars().any(|c| ('ぁ'..='ん').contains(&c)) && !japanese.contains("  "));
+        }
+        assert!(std::format!("{}", Error::NotFinite { row: 4 }).contains("row 5"));
+        assert!(std::format!("{}", Error::FaceMissing { face }.sentence(Lang::Ja)).starts_with("-y"));
+    }
+}

@@ -141,7 +141,7 @@ pub fn fit_sphere(points: &[Vec3]) -> Result<SphereFit> {
         let row = [d[0] / distance, d[1] / distance, d[2] / distance, 1.0];
         accumulate(&mut normal, &row);
     }
-    Ok(SphereFit {
+    let fit = SphereFit {
         center: vector::add(centred.centroid, vector::scale(c, centred.scale)),
         radius: radius * centred.scale,
         residual_rms: math::sqrt(residuals / n) * centred.scale,
@@ -152,7 +152,8 @@ pub fn fit_sphere(points: &[Vec3]) -> Result<SphereFit> {
             f64::INFINITY
         },
         plane_rms: centred.plane_rms(points.len()),
-    })
+    };
+    finite(fit.radius, fit.center).map(|()| fit)
 }
 
 /// The least-squares circle through at least three points, in their best plane. Refused: too few points,
@@ -198,7 +199,7 @@ pub fn fit_circle(points: &[Vec3]) -> Result<CircleFit> {
         accumulate(&mut information, &[d[0] / distance, d[1] / distance, 1.0]);
     }
     let shift = vector::add(vector::scale(e1, c[0]), vector::scale(e2, c[1]));
-    Ok(CircleFit {
+    let fit = CircleFit {
         center: vector::add(centred.centroid, vector::scale(shift, centred.scale)),
         normal,
         radius: radius * centred.scale,
@@ -206,7 +207,13 @@ pub fn fit_circle(points: &[Vec3]) -> Result<CircleFit> {
         radius_sigma: sigma(&information, 2, residuals, points.len()).map(|sigma| sigma * centred.scale),
         condition: centred.values[2] / centred.values[1],
         plane_rms: centred.plane_rms(points.len()),
-    })
+    };
+    finite(fit.radius, fit.center).map(|()| fit)
+}
+
+/// The answer of nearly flat points of a huge size may lie beyond all numbers.
+fn finite(radius: f64, center: Vec3) -> Result<()> {
+    if radius.is_finite() && vector::is_finite(center) { Ok(()) } else { Err(Error::Degenerate) }
 }
 
 fn accumulate<const N: usize>(normal: &mut [[f64; N]; N], row: &[f64; N]) {

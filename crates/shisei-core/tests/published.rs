@@ -1,4 +1,5 @@
 //! Printed numbers of other people's documents (`fixtures/published`) come out within their printed digits.
+#![cfg(feature = "alloc")]
 
 use std::path::Path;
 

@@ -1,4 +1,5 @@
 //! Six-face calibration against made-up sensors whose truth is known.
+#![cfg(feature = "alloc")]
 #![allow(clippy::disallowed_methods)] // the references here use the platform's mathematics on purpose
 
 use shisei_core::calibration::{FaceState, SixFaceSettings, search_faces, six_face, solve};

@@ -74,7 +74,7 @@ impl Prepared {
     #[inline(always)]
     pub(super) fn new(gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64, gain: impl Fn(f64) -> f64) -> Self {
         let (acc_unit, norm) = direction(acc_m_s2);
-        let pull = vector::scale(acc_unit, gain(norm) * dt_s);
+        let pull = vector::scale(acc_unit, if dt_s > 0.0 { gain(norm) * dt_s } else { 0.0 });
         Prepared { half_turn: half_turn(gyro_rad_s, dt_s), pull, acc_unit }
     }
 }

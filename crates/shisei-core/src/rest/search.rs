@@ -23,7 +23,7 @@ pub struct RestSettings {
     /// Length of the sliding window, s; default 0.5.
     pub window_s: f64,
     /// Largest standard deviation of the blocks' rates in a window (root of the three axes' sum), beyond
-    /// what the samples' own noise explains, rad/s; default 0.035 (2 °/s).
+    /// what noise from block to block explains, rad/s; default 0.035 (2 °/s).
     pub gyro_deviation_rad_s: f64,
     /// The same for the accelerations, m/s²; default 0.2.
     pub acc_deviation_m_s2: f64,
@@ -199,7 +199,6 @@ struct Window {
 
 fn judge(blocks: &[Block], settings: &RestSettings) -> Window {
     let n = blocks.len() as f64;
-    let rows = blocks.iter().fold(0.0, |sum, b| sum + (b.rows.1 - b.rows.0) as f64);
     let mut gyro = [0.0; 3];
     let mut acc = [0.0; 3];
     let (mut gyro_noise, mut acc_noise) = (0.0, 0.0);
@@ -209,16 +208,8 @@ fn judge(blocks: &[Block], settings: &RestSettings) -> Window {
         gyro_noise += b.gyro_noise / n;
         acc_noise += b.acc_noise / n;
     }
-    let (mut gyro_variance, mut acc_variance) = (0.0, 0.0);
-    for b in blocks {
-        let (dg, da) = (vector::sub(b.gyro, gyro), vector::sub(b.acc, acc));
-        gyro_variance += vector::dot(dg, dg) / (n - 1.0);
-        acc_variance += vector::dot(da, da) / (n - 1.0);
-    }
-    // white noise leaves this much of its variance in the blocks' means
-    let rows_a_block = rows / n;
-    gyro_variance -= gyro_noise / rows_a_block;
-    acc_variance -= acc_noise / rows_a_block;
+    let gyro_variance = spread(blocks, settings.gyro_deviation_rad_s, |b| vector::sub(b.gyro, gyro));
+    let acc_variance = spread(blocks, settings.acc_deviation_m_s2, |b| vector::sub(b.acc, acc));
     let square = |x: f64| x * x;
     let norm = vector::norm(acc);
     let still = gyro_variance <= square(settings.gyro_deviation_rad_s)
@@ -228,6 +219,25 @@ fn judge(blocks: &[Block], settings: &RestSettings) -> Window {
         && vector::norm(gyro) <= settings.bias_max_rad_s
         && (norm - settings.gravity_m_s2).abs() <= settings.gravity_tolerance * settings.gravity_m_s2;
     Window { gyro, acc, still }
+}
+
+/// Variance of the blocks' means, summed over axes, less what their own noise explains: half the mean squared
+/// difference of neighbours, which smooth movement hardly adds to. Fast movement does; so no more than the
+/// limit's own square is taken off.
+fn spread(blocks: &[Block], limit: f64, deviation: impl Fn(&Block) -> Vec3) -> f64 {
+    let n = blocks.len() as f64;
+    let (mut variance, mut noise) = (0.0, 0.0);
+    let mut before: Option<Vec3> = None;
+    for b in blocks {
+        let d = deviation(b);
+        variance += vector::dot(d, d) / (n - 1.0);
+        if let Some(before) = before {
+            let step = vector::sub(d, before);
+            noise += 0.5 * vector::dot(step, step) / (n - 1.0);
+        }
+        before = Some(d);
+    }
+    variance - noise.min(limit * limit)
 }
 
 /// Blocks without a gap between them.
@@ -246,19 +256,15 @@ fn search_stretch(blocks: &[Block], settings: &RestSettings, rests: &mut Vec<Ran
             continue;
         }
         let window = judge(&blocks[window_start..=end], settings);
-        let fits = run.as_ref().is_none_or(|run| run.fits(&window, settings));
-        if window.still && fits {
-            run.get_or_insert_with(|| Run::new(window_start)).extend(end, &window);
+        if !window.still {
             continue;
         }
-        if let Some(run) = run.take() {
+        // windows that are not still between two that overlap do not part them
+        let joins = run.as_ref().is_some_and(|run| window_start <= run.last && run.fits(&window, settings));
+        if !joins && let Some(run) = run.take() {
             run.finish(blocks, settings, rests);
         }
-        if window.still {
-            let mut next = Run::new(window_start);
-            next.extend(end, &window);
-            run = Some(next);
-        }
+        run.get_or_insert_with(|| Run::new(window_start)).extend(end, &window);
     }
     if let Some(run) = run.take() {
         run.finish(blocks, settings, rests);
