@@ -4,6 +4,7 @@ mod calibration;
 mod filters;
 mod fits;
 mod motion;
+mod navigation;
 mod rest;
 mod rotation;
 
@@ -63,6 +64,9 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "calibration/known_turns", run: calibration::known_turns },
     Topic { name: "orient", run: motion::orient },
     Topic { name: "motion/dead_reckoning", run: motion::dead_reckoning },
+    Topic { name: "motion/error_state", run: navigation::error_state },
+    Topic { name: "motion/navigation", run: navigation::navigate },
+    Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
     Topic { name: "earth", run: motion::earth },
     Topic { name: "earth/mean", run: motion::earth_mean },
 ];
