@@ -15,13 +15,23 @@ pub struct Target {
     build_std: &'static str,
     /// LLVM's linker under the name by which it knows its job.
     linker: &'static str,
+    /// What gives the active toolchain the target.
+    instead: &'static str,
 }
 
-pub const CORTEX_M4F: Target =
-    Target { triple: "thumbv7em-none-eabihf", build_std: "core,alloc", linker: "ld.lld" };
+pub const CORTEX_M4F: Target = Target {
+    triple: "thumbv7em-none-eabihf",
+    build_std: "core,alloc",
+    linker: "ld.lld",
+    instead: "rustup target add thumbv7em-none-eabihf",
+};
 
-pub const WASM32: Target =
-    Target { triple: "wasm32-unknown-unknown", build_std: "std,panic_abort", linker: "wasm-ld" };
+pub const WASM32: Target = Target {
+    triple: "wasm32-unknown-unknown",
+    build_std: "std,panic_abort",
+    linker: "wasm-ld",
+    instead: "rustup target add wasm32-unknown-unknown",
+};
 
 impl Target {
     /// Nothing where the active toolchain has the target; else Debian's packages.
@@ -31,15 +41,11 @@ impl Target {
         }
         Needs {
             apt: vec![
-                Apt::file("rustc-web", "/usr/share/doc/rustc-web"),
+                Apt::file("rustc-web", "/usr/share/doc/rustc-web").or(self.instead),
                 Apt::file("cargo-web", "/usr/share/doc/cargo-web"),
                 Apt::file("rust-web-src", "/usr/share/doc/rust-web-src"),
                 Apt::program("lld", self.linker),
             ],
-            instead: Some(match self.triple {
-                "thumbv7em-none-eabihf" => "rustup target add thumbv7em-none-eabihf",
-                _ => "rustup target add wasm32-unknown-unknown",
-            }),
             ..Needs::default()
         }
     }

@@ -19,8 +19,6 @@ pub struct Needs {
     pub npm: Vec<&'static str>,
     /// Subcommands of cargo (`clippy`, `fmt`): components of rustup.
     pub cargo: Vec<&'static str>,
-    /// A command that does instead of the apt packages where its registry is reached.
-    pub instead: Option<&'static str>,
 }
 
 /// A Debian package and how to tell that it is there.
@@ -28,6 +26,8 @@ pub struct Needs {
 pub struct Apt {
     pub package: &'static str,
     pub sign: Sign,
+    /// A command that does as well on machines without Debian's packages.
+    pub instead: Option<&'static str>,
 }
 
 /// How to tell that a package is there, wherever it came from.
@@ -41,11 +41,15 @@ pub enum Sign {
 
 impl Apt {
     pub const fn program(package: &'static str, program: &'static str) -> Self {
-        Apt { package, sign: Sign::Program(program) }
+        Apt { package, sign: Sign::Program(program), instead: None }
     }
 
     pub const fn file(package: &'static str, file: &'static str) -> Self {
-        Apt { package, sign: Sign::File(file) }
+        Apt { package, sign: Sign::File(file), instead: None }
+    }
+
+    pub const fn or(self, command: &'static str) -> Self {
+        Apt { instead: Some(command), ..self }
     }
 
     fn present(&self) -> bool {
@@ -88,7 +92,7 @@ impl Needs {
         let npm = self.npm.iter().copied().filter(|need| !npm_present(project, need)).collect();
         let cargo = self.cargo.iter().copied().filter(|name| !cargo_present(project, name)).collect();
         let apt = self.apt.iter().copied().filter(|need| !need.present()).collect();
-        Ok(Needs { apt, pip, npm, cargo, instead: self.instead })
+        Ok(Needs { apt, pip, npm, cargo })
     }
 
     /// Makes sure that everything is there; else the reason why the suite cannot run.
@@ -102,7 +106,8 @@ impl Needs {
             return Err(format!("missing {what}; install with `rustup component add`"));
         }
         if !install {
-            let instead = self.instead.map(|command| format!(" (or: {command})")).unwrap_or_default();
+            let instead = missing.apt.iter().find_map(|need| need.instead);
+            let instead = instead.map(|command| format!(" (or: {command})")).unwrap_or_default();
             return Err(format!("missing {what}{instead}; `cargo xtask test --install {suite}` installs it"));
         }
         println!("suite {suite}: installing {what}");

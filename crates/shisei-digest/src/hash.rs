@@ -6,7 +6,11 @@ use shisei_core::{Error, Quaternion, Vec3, Ypr};
 
 /// A running digest.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Digest(u64);
+pub struct Digest {
+    hash: u64,
+    accepted: u32,
+    refused: u32,
+}
 
 impl Default for Digest {
     fn default() -> Self {
@@ -17,18 +21,23 @@ impl Default for Digest {
 impl Digest {
     /// Of nothing.
     pub const fn new() -> Self {
-        Digest(0xcbf2_9ce4_8422_2325)
+        Digest { hash: 0xcbf2_9ce4_8422_2325, accepted: 0, refused: 0 }
     }
 
     /// The 64 bits so far.
     pub const fn value(self) -> u64 {
-        self.0
+        self.hash
+    }
+
+    /// How many results were values, and how many errors.
+    pub const fn results(self) -> (u32, u32) {
+        (self.accepted, self.refused)
     }
 
     /// Adds bytes.
     pub fn push_bytes(&mut self, bytes: &[u8]) {
         for byte in bytes {
-            self.0 = (self.0 ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
+            self.hash = (self.hash ^ u64::from(*byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
     }
 
@@ -68,10 +77,12 @@ impl Digest {
     pub fn push_result<T>(&mut self, result: Result<T, Error>, push: impl FnOnce(&mut Self, T)) {
         match result {
             Ok(value) => {
+                self.accepted += 1;
                 self.push_bytes(b"ok");
                 push(self, value);
             }
             Err(error) => {
+                self.refused += 1;
                 self.push_bytes(b"error");
                 self.push_u64(error.kind() as u64);
             }

@@ -41,4 +41,13 @@ mod tests {
             }
         }
     }
+
+    /// Else the digest would be one of error codes.
+    #[test]
+    fn topics_run_on_input_that_the_core_accepts() {
+        for topic in TOPICS {
+            let (accepted, refused) = topic.run().results();
+            assert!(accepted > 0 || refused == 0, "{}: {refused} errors and no result", topic.name);
+        }
+    }
 }

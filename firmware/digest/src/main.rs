@@ -10,13 +10,14 @@ use panic_semihosting as _;
 #[global_allocator]
 static HEAP: LlffHeap = LlffHeap::empty();
 
-const HEAP_BYTES: usize = 2 << 20;
+/// The board's second RAM, all of it; the first holds statics and the stack.
+const HEAP_START: usize = 0x2100_0000;
+const HEAP_BYTES: usize = 16 << 20;
 
 #[entry]
 fn main() -> ! {
-    // The heap lies between the statics and the stack, which begins at the end of the 4 MiB of RAM.
-    // SAFETY: done once, before anything allocates; nothing else uses that memory.
-    unsafe { HEAP.init(cortex_m_rt::heap_start() as usize, HEAP_BYTES) };
+    // SAFETY: done once, before anything allocates; the linker puts nothing there.
+    unsafe { HEAP.init(HEAP_START, HEAP_BYTES) };
     for topic in shisei_digest::TOPICS {
         hprintln!("{} {:016x}", topic.name, topic.digest());
     }

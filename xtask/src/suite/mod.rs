@@ -18,7 +18,10 @@ pub struct Suite {
     pub name: &'static str,
     /// What it shows, in one line.
     pub about: &'static str,
+    /// Without these it cannot run.
     pub needs: fn(&Project) -> Needs,
+    /// Without these some of its tests say that they skip themselves.
+    pub wants: fn(&Project) -> Needs,
     pub run: fn(&mut Run<'_>),
 }
 
@@ -34,7 +37,9 @@ pub fn command(project: &Project, words: &[&str]) -> ExitCode {
             "--install" => install = true,
             "--list" => {
                 for suite in ALL {
-                    println!("{:8} {} ({})", suite.name, suite.about, (suite.needs)(project).describe());
+                    println!("{:8} {}", suite.name, suite.about);
+                    println!("{:8} needs {}", "", (suite.needs)(project).describe());
+                    println!("{:8} wants {}", "", (suite.wants)(project).describe());
                 }
                 return ExitCode::SUCCESS;
             }
@@ -65,6 +70,9 @@ fn run(suite: &Suite, project: &Project, install: bool) -> (Tally, Vec<String>) 
     println!("\n=== {}: {}", suite.name, suite.about);
     let started = Instant::now();
     let mut run = Run::new(project);
+    if install && let Err(reason) = (suite.wants)(project).ensure(project, suite.name, true) {
+        run.fail("installing", &reason);
+    }
     match (suite.needs)(project).ensure(project, suite.name, install) {
         Ok(()) => {
             (suite.run)(&mut run);

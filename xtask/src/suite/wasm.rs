@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::Suite;
 use crate::cross::WASM32;
 use crate::digests;
-use crate::needs::Apt;
+use crate::needs::{Apt, Needs};
 use crate::project::Project;
 use crate::run::{Run, heading, must, output_within};
 
@@ -17,6 +17,7 @@ pub const SUITE: Suite = Suite {
         needs.apt.push(Apt::program("nodejs", "node"));
         needs
     },
+    wants: |_| Needs::default(),
     run,
 };
 

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use shisei_core::allan::{self, Coefficient};
 use shisei_core::least_squares::{self as fit, Normal};
-use shisei_core::{math, statistics};
+use shisei_core::{Vec3, math, matrix, sphere, statistics};
 
 use crate::hash::Digest;
 use crate::input::Input;
@@ -98,4 +98,51 @@ pub fn allan(digest: &mut Digest) {
         }
         digest.push_all(&[analysis.floor, analysis.floor_tau_s]);
     });
+}
+
+pub fn matrix(digest: &mut Digest) {
+    let mut input = Input::new(43);
+    for _ in 0..16 {
+        let a: matrix::Square<6> = core::array::from_fn(|_| core::array::from_fn(|_| input.signed()));
+        let v: [f64; 6] = core::array::from_fn(|_| input.signed());
+        let mut positive = matrix::product(&a, &matrix::transpose(&a));
+        for i in 0..6 {
+            positive[i][i] += 0.1;
+        }
+        digest.push_all(positive.as_flattened());
+        digest.push_all(&matrix::times_vector(&a, &v));
+        digest.push_result(matrix::inverse(&a), |digest, inverse| digest.push_all(inverse.as_flattened()));
+        digest.push_result(matrix::cholesky(&positive), |digest, lower| {
+            digest.push_all(lower.as_flattened());
+            digest.push_all(&matrix::cholesky_solve(&lower, &v));
+        });
+        let (values, vectors) = matrix::symmetric_eigen(&positive);
+        digest.push_all(&values);
+        digest.push_all(vectors.as_flattened());
+    }
+}
+
+pub fn sphere(digest: &mut Digest) {
+    let mut input = Input::new(44);
+    for flat in [1.0, 0.01] {
+        let points: Vec<Vec3> = (0..12)
+            .map(|_| {
+                let [x, y, z] = input.quaternion().rotate([3.0, 0.0, 0.0]);
+                let noise = input.vec3(0.01);
+                [x + 1.0 + noise[0], y - 2.0 + noise[1], flat * z + noise[2]]
+            })
+            .collect();
+        digest.push_result(sphere::fit_sphere(&points), |digest, fit| {
+            digest.push_vec3(fit.center);
+            digest.push_all(&[fit.radius, fit.residual_rms, fit.radius_sigma.unwrap_or(-1.0)]);
+            digest.push_all(&[fit.condition, fit.plane_rms]);
+        });
+        digest.push_result(sphere::fit_circle(&points), |digest, fit| {
+            digest.push_vec3(fit.center);
+            digest.push_vec3(fit.normal);
+            digest.push_all(&[fit.radius, fit.residual_rms, fit.radius_sigma.unwrap_or(-1.0)]);
+            digest.push_all(&[fit.condition, fit.plane_rms]);
+        });
+    }
+    digest.push_result(sphere::fit_sphere(&[[0.0; 3]; 3]).map(|_| ()), |_, ()| ());
 }

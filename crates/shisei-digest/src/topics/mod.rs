@@ -1,7 +1,10 @@
 //! The topics: a file of the core each. What is added to the core is added here.
 
+mod calibration;
 mod filters;
 mod fits;
+mod motion;
+mod navigation;
 mod rest;
 mod rotation;
 
@@ -10,17 +13,22 @@ use crate::hash::Digest;
 /// A part of the core and the run over it.
 #[derive(Clone, Copy, Debug)]
 pub struct Topic {
-    /// The file of the core, without its ending.
+    /// The file of the core, from its src and without its ending: `filter/mahony`.
     pub name: &'static str,
     run: fn(&mut Digest),
 }
 
 impl Topic {
-    /// Runs it.
+    /// Its 64 bits.
     pub fn digest(&self) -> u64 {
+        self.run().value()
+    }
+
+    /// Runs it.
+    pub fn run(&self) -> Digest {
         let mut digest = Digest::new();
         (self.run)(&mut digest);
-        digest.value()
+        digest
     }
 }
 
@@ -32,15 +40,33 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "euler", run: rotation::euler },
     Topic { name: "relative", run: rotation::relative },
     Topic { name: "heading", run: rotation::heading },
-    Topic { name: "exponential", run: filters::exponential },
-    Topic { name: "gyro", run: filters::gyro },
-    Topic { name: "mahony", run: filters::mahony },
-    Topic { name: "mahony_adaptive", run: filters::mahony_adaptive },
-    Topic { name: "complementary", run: filters::complementary },
+    Topic { name: "filter/exponential", run: filters::exponential },
+    Topic { name: "filter/gyro", run: filters::gyro },
+    Topic { name: "filter/mahony", run: filters::mahony },
+    Topic { name: "filter/mahony_adaptive", run: filters::mahony_adaptive },
+    Topic { name: "filter/complementary", run: filters::complementary },
     Topic { name: "rest", run: rest::rest },
-    Topic { name: "search", run: rest::search },
+    Topic { name: "rest/search", run: rest::search },
     Topic { name: "initial", run: rest::initial },
     Topic { name: "statistics", run: fits::statistics },
     Topic { name: "least_squares", run: fits::least_squares },
+    Topic { name: "matrix", run: fits::matrix },
+    Topic { name: "sphere", run: fits::sphere },
     Topic { name: "allan", run: fits::allan },
+    Topic { name: "calibration/apply", run: calibration::apply },
+    Topic { name: "calibration/affine", run: calibration::affine },
+    Topic { name: "calibration/search", run: calibration::search },
+    Topic { name: "calibration/six_face", run: calibration::six_face },
+    Topic { name: "calibration/still", run: calibration::still },
+    Topic { name: "calibration/multi_pose", run: calibration::multi_pose },
+    Topic { name: "calibration/recording", run: calibration::recording },
+    Topic { name: "calibration/gyro_turns", run: calibration::gyro_turns },
+    Topic { name: "calibration/known_turns", run: calibration::known_turns },
+    Topic { name: "orient", run: motion::orient },
+    Topic { name: "motion/dead_reckoning", run: motion::dead_reckoning },
+    Topic { name: "motion/error_state", run: navigation::error_state },
+    Topic { name: "motion/navigation", run: navigation::navigate },
+    Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
+    Topic { name: "earth", run: motion::earth },
+    Topic { name: "earth/mean", run: motion::earth_mean },
 ];
