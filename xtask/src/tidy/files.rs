@@ -55,9 +55,10 @@ pub fn places(project: &Project) -> Result<Vec<String>, String> {
     each(project, |file, text| find(file, text, PLACES))
 }
 
-/// Generated files say so, and where from, in their first line.
+/// Generated files say so, and where from, in their first lines (a VBA module's name must stand before it, an XML
+/// declaration too).
 fn is_generated(text: &str) -> bool {
-    text.lines().next().is_some_and(|line| line.to_lowercase().contains("generated"))
+    text.lines().take(3).any(|line| line.to_lowercase().contains("generated"))
 }
 
 fn find(file: &Path, text: &str, words: &[&str]) -> Vec<String> {
