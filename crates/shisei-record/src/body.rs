@@ -1,0 +1,386 @@
+//! The rows of a table into numbers: one pass over the bytes, no copy of the text.
+
+use crate::error::{Error, Place, Problem, Result, shorten};
+use crate::number::{self, Cell};
+use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
+use crate::stamp::{self, Cycle};
+use shisei_core::Vec3;
+
+/// Slots of a row: time, acc ×3, gyr ×3, temperature, coarse time.
+pub(crate) const SLOTS: usize = 9;
+/// Slot of the time column.
+pub(crate) const TIME: usize = 0;
+/// First slot of the acceleration.
+pub(crate) const ACC: usize = 1;
+/// First slot of the angular rate.
+pub(crate) const GYRO: usize = 4;
+/// Slot of the temperature.
+pub(crate) const TEMP: usize = 7;
+/// Slot of a second, coarser time column.
+pub(crate) const COARSE: usize = 8;
+const SKIP: u8 = u8::MAX;
+
+/// How cells of a time column are read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum TimeForm {
+    /// Plain numbers.
+    #[default]
+    Number,
+    /// Numbers of ten and more digits: read exactly, less this origin.
+    Large(i64),
+    /// Text stamps; nanoseconds of the first are taken off.
+    Text(i64),
+}
+
+/// What to read.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Wanted {
+    /// Column of each slot.
+    pub slot: [Option<usize>; SLOTS],
+    /// Form of the two time slots.
+    pub time_form: TimeForm,
+    /// Form of the coarse time.
+    pub coarse_form: TimeForm,
+    /// Columns kept as text.
+    pub keep: Vec<usize>,
+    /// Leave bad rows out.
+    pub skip_bad: bool,
+    /// A blank or text temperature is no error: it becomes NaN.
+    pub lenient_temp: bool,
+}
+
+/// What was read.
+#[derive(Debug, Default)]
+pub(crate) struct Body {
+    pub rows: usize,
+    pub time: Vec<f64>,
+    pub coarse: Vec<f64>,
+    pub acc: Vec<Vec3>,
+    pub gyro: Vec<Vec3>,
+    pub temp: Vec<f64>,
+    pub keep: Vec<Vec<Box<str>>>,
+    /// Bad rows left out because the user said so.
+    pub skipped: usize,
+    /// Incomplete rows at the start and at the end.
+    pub trimmed: usize,
+    /// Every acceleration and angular rate is a whole number.
+    pub whole_numbers: bool,
+}
+
+/// The form of a time column, from its first cells.
+pub(crate) fn time_form(sheet: &Sheet<'_>, column: usize) -> Option<TimeForm> {
+    let cell = sheet.sample.iter().filter_map(|row| row.get(column)).find(|c| !c.trim().is_empty())?;
+    let text = cell.trim().as_bytes();
+    match number::cell(text, sheet.decimal) {
+        Cell::Number(_) => {
+            let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
+            if (10..=18).contains(&digits) {
+                Some(TimeForm::Large(whole(text.get(..digits)?)?))
+            } else if digits == 19 {
+                whole(text.get(..digits)?).map(TimeForm::Large)
+            } else {
+                Some(TimeForm::Number)
+            }
+        }
+        Cell::Text => stamp::parse(text).map(|s| match s.cycle {
+            Cycle::None => TimeForm::Text(s.ns),
+            _ => TimeForm::Text(0),
+        }),
+        _ => None,
+    }
+}
+
+fn whole(text: &[u8]) -> Option<i64> {
+    text.iter().try_fold(0i64, |n, b| {
+        let digit = b.checked_sub(b'0').filter(|d| *d < 10)?;
+        n.checked_mul(10)?.checked_add(i64::from(digit))
+    })
+}
+
+/// Reads a time cell: seconds for text, the raw number else.
+fn time_cell(cell: &[u8], form: TimeForm, decimal: u8) -> std::result::Result<f64, Problem> {
+    let text = number::trim(cell);
+    match form {
+        TimeForm::Number => value(cell, decimal),
+        TimeForm::Large(origin) => {
+            let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
+            match (text.get(..digits).filter(|d| !d.is_empty()).and_then(whole), text.get(digits..)) {
+                (Some(n), Some([])) => Ok(n.saturating_sub(origin) as f64),
+                (Some(n), Some([sign, fraction @ ..]))
+                    if *sign == decimal && fraction.iter().all(u8::is_ascii_digit) =>
+                {
+                    let part = match number::cell(text.get(digits..).unwrap_or_default(), decimal) {
+                        Cell::Number(part) => part,
+                        _ => 0.0,
+                    };
+                    Ok(n.saturating_sub(origin) as f64 + part)
+                }
+                _ => value(cell, decimal).map(|v| v - origin as f64),
+            }
+        }
+        TimeForm::Text(origin) => match stamp::parse(text) {
+            Some(stamp) => Ok(stamp.ns.saturating_sub(origin) as f64 / 1e9),
+            None if text.is_empty() => Err(Problem::Blank),
+            None => Err(Problem::BadStamp { text: shorten(&String::from_utf8_lossy(text)) }),
+        },
+    }
+}
+
+fn value(cell: &[u8], decimal: u8) -> std::result::Result<f64, Problem> {
+    match number::cell(cell, decimal) {
+        Cell::Number(value) => Ok(value),
+        Cell::Blank => Err(Problem::Blank),
+        Cell::NotFinite => {
+            Err(Problem::NotFinite { text: shorten(&String::from_utf8_lossy(number::trim(cell))) })
+        }
+        Cell::Text => {
+            Err(Problem::NotANumber { text: shorten(&String::from_utf8_lossy(number::trim(cell))) })
+        }
+    }
+}
+
+/// Why a row is bad: the problem, its column (from 0), and whether the row may be an incomplete end.
+struct Bad {
+    problem: Problem,
+    column: Option<usize>,
+    incomplete: bool,
+}
+
+struct Reader<'a, 's> {
+    sheet: &'a Sheet<'s>,
+    wanted: &'a Wanted,
+    action: Vec<u8>,
+    /// Columns up to the last wanted one.
+    needed: usize,
+}
+
+/// Reads all rows.
+pub(crate) fn read(sheet: &Sheet<'_>, wanted: &Wanted) -> Result<Body> {
+    let text: &[u8] = &sheet.text;
+    let last = wanted.slot.iter().flatten().copied().max().unwrap_or(0);
+    let mut action = vec![SKIP; last + 1];
+    for (slot, column) in wanted.slot.iter().enumerate() {
+        if let Some(place) = column.and_then(|c| action.get_mut(c)) {
+            *place = slot as u8;
+        }
+    }
+    let reader = Reader { sheet, wanted, action, needed: last + 1 };
+    let mut out = Body { whole_numbers: true, keep: vec![Vec::new(); wanted.keep.len()], ..Body::default() };
+    reserve(&mut out, text, sheet.data_offset, wanted);
+    let mut at = sheet.data_offset;
+    let mut line_number = sheet.data_line - 1;
+    let mut pending: Option<(Error, usize)> = None;
+    let mut row = [0.0f64; SLOTS];
+    while at < text.len() {
+        line_number += 1;
+        if let Some(next) = reader.fast(text, at, &mut row) {
+            if let Some((error, _)) = pending.take() {
+                return Err(error);
+            }
+            push(&mut out, &row, wanted);
+            if !wanted.keep.is_empty() {
+                reader.keep(text.get(at..next).unwrap_or_default(), &mut out);
+            }
+            at = next;
+            continue;
+        }
+        let Some((line, next)) = line_at(text, at) else { break };
+        let start = at;
+        at = next;
+        if line.len() > LINE_LIMIT {
+            let place = Place { file: sheet.name.to_owned(), line: Some(line_number), column: None };
+            return Err(Error { problem: Problem::LineTooLong { limit: LINE_LIMIT }, place });
+        }
+        if number::trim(line).is_empty() {
+            continue;
+        }
+        match reader.slow(line, &mut row) {
+            Ok(()) => {
+                if let Some((error, _)) = pending.take() {
+                    return Err(error);
+                }
+                push(&mut out, &row, wanted);
+                if !wanted.keep.is_empty() {
+                    reader.keep(text.get(start..next).unwrap_or_default(), &mut out);
+                }
+            }
+            Err(_) if wanted.skip_bad => out.skipped += 1,
+            Err(bad) => {
+                let error = reader.error(&bad, line_number);
+                if !bad.incomplete {
+                    return Err(pending.map_or(error, |(first, _)| first));
+                }
+                if out.rows == 0 {
+                    out.trimmed += 1;
+                    // A table that never gets complete: the first reason is the one to tell.
+                    if out.trimmed > 1000 {
+                        return Err(error);
+                    }
+                } else {
+                    let count = pending.as_ref().map_or(0, |(_, n)| *n) + 1;
+                    if count > 1000 {
+                        return Err(pending.map_or(error, |(first, _)| first));
+                    }
+                    pending = Some((pending.map_or(error, |(first, _)| first), count));
+                }
+            }
+        }
+    }
+    if let Some((error, count)) = pending {
+        if out.rows == 0 {
+            return Err(error);
+        }
+        out.trimmed += count;
+    }
+    if out.rows < 2 {
+        return Err(Error::of_file(sheet.name, Problem::TooFewRows { rows: out.rows }));
+    }
+    Ok(out)
+}
+
+/// Room for as many rows as the first lines' length suggests.
+fn reserve(out: &mut Body, text: &[u8], offset: usize, wanted: &Wanted) {
+    let rest = text.get(offset..).unwrap_or_default();
+    let head = rest.get(..rest.len().min(1 << 16)).unwrap_or(rest);
+    let lines = memchr::memchr_iter(b'\n', head).count().max(1);
+    let rows = (rest.len() as f64 / (head.len().max(1) as f64 / lines as f64) * 1.02) as usize + 16;
+    // Never more than the text could hold: two bytes a cell.
+    let rows = rows.min(rest.len() / 4 + 16);
+    let has = |slot: usize| wanted.slot.get(slot).is_some_and(Option::is_some);
+    if has(TIME) {
+        out.time.reserve_exact(rows);
+    }
+    if has(ACC) {
+        out.acc.reserve_exact(rows);
+    }
+    if has(GYRO) {
+        out.gyro.reserve_exact(rows);
+    }
+    if has(TEMP) {
+        out.temp.reserve_exact(rows);
+    }
+}
+
+#[inline]
+fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
+    out.rows += 1;
+    if wanted.slot[TIME].is_some() {
+        out.time.push(row[TIME]);
+    }
+    if wanted.slot[COARSE].is_some() {
+        out.coarse.push(row[COARSE]);
+    }
+    if wanted.slot[ACC].is_some() {
+        out.acc.push([row[ACC], row[ACC + 1], row[ACC + 2]]);
+    }
+    if wanted.slot[GYRO].is_some() {
+        out.gyro.push([row[GYRO], row[GYRO + 1], row[GYRO + 2]]);
+    }
+    if wanted.slot[TEMP].is_some() {
+        out.temp.push(row[TEMP]);
+    }
+    if out.whole_numbers {
+        out.whole_numbers = row[ACC..GYRO + 3].iter().all(|v| *v == v.trunc());
+    }
+}
+
+impl Reader<'_, '_> {
+    /// Reads a row of plain numbers; gives the start of the next line, or nothing where the row needs care.
+    #[inline]
+    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS]) -> Option<usize> {
+        let Delimiter::Byte(separator) = self.sheet.delimiter else { return None };
+        let mut at = start;
+        let last = self.needed - 1;
+        for (column, slot) in self.action.iter().enumerate() {
+            if *slot == SKIP {
+                let rest = text.get(at..)?;
+                let end = rest.iter().position(|b| *b == separator || *b == b'\n' || *b == b'"')?;
+                if rest.get(end) != Some(&separator) {
+                    return None;
+                }
+                at += end + 1;
+                continue;
+            }
+            if text.get(at) == Some(&b' ') {
+                at += 1;
+            }
+            let special = (usize::from(*slot) == TIME && self.wanted.time_form != TimeForm::Number)
+                || (usize::from(*slot) == COARSE && self.wanted.coarse_form != TimeForm::Number);
+            let end = if special {
+                let form =
+                    if usize::from(*slot) == TIME { self.wanted.time_form } else { self.wanted.coarse_form };
+                let rest = text.get(at..)?;
+                let length = rest.iter().position(|b| *b == separator || *b == b'\n')?;
+                *row.get_mut(usize::from(*slot))? =
+                    time_cell(rest.get(..length)?, form, self.sheet.decimal).ok()?;
+                at + length
+            } else {
+                let (value, end) = number::scan(text, at, self.sheet.decimal)?;
+                *row.get_mut(usize::from(*slot))? = value;
+                end
+            };
+            match text.get(end) {
+                Some(b) if *b == separator => at = end + 1,
+                Some(b'\n') if column == last => return Some(end + 1),
+                Some(b'\r') if column == last && text.get(end + 1) == Some(&b'\n') => return Some(end + 2),
+                None if column == last => return Some(end),
+                _ => return None,
+            }
+        }
+        // More cells follow on the line.
+        match memchr::memchr(b'\n', text.get(at..)?) {
+            Some(end) if end <= LINE_LIMIT => Some(at + end + 1),
+            Some(_) => None,
+            None if text.len() - at <= LINE_LIMIT => Some(text.len()),
+            None => None,
+        }
+    }
+
+    fn slow(&self, line: &[u8], row: &mut [f64; SLOTS]) -> std::result::Result<(), Bad> {
+        let cells = split(line, self.sheet.delimiter);
+        let decimal = self.sheet.decimal;
+        let numbers = cells.iter().filter(|c| matches!(number::cell(c, decimal), Cell::Number(_))).count();
+        if cells.len() < self.needed {
+            let problem = Problem::ShortRow { cells: cells.len(), needed: self.needed };
+            return Err(Bad { problem, column: None, incomplete: true });
+        }
+        for (column, slot) in self.action.iter().enumerate() {
+            if *slot == SKIP {
+                continue;
+            }
+            let cell = cells.get(column).copied().unwrap_or_default();
+            let read = match usize::from(*slot) {
+                TIME => time_cell(cell, self.wanted.time_form, decimal),
+                COARSE => time_cell(cell, self.wanted.coarse_form, decimal),
+                TEMP if self.wanted.lenient_temp => Ok(value(cell, decimal).unwrap_or(f64::NAN)),
+                _ => value(cell, decimal),
+            };
+            match read {
+                Ok(value) => {
+                    if let Some(place) = row.get_mut(usize::from(*slot)) {
+                        *place = value;
+                    }
+                }
+                Err(problem) => {
+                    let incomplete = problem == Problem::Blank || numbers == 0;
+                    return Err(Bad { problem, column: Some(column), incomplete });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn keep(&self, line: &[u8], out: &mut Body) {
+        let cells = split(line.trim_ascii_end(), self.sheet.delimiter);
+        for (column, kept) in self.wanted.keep.iter().zip(&mut out.keep) {
+            let cell = cells.get(*column).copied().unwrap_or_default();
+            kept.push(self.sheet.encoding.decode(number::trim(cell)).into());
+        }
+    }
+
+    fn error(&self, bad: &Bad, line: usize) -> Error {
+        let column = bad.column.map(|c| (c + 1, self.sheet.header.get(c).cloned().unwrap_or_default()));
+        let place = Place { file: self.sheet.name.to_owned(), line: Some(line), column };
+        Error { problem: bad.problem.clone(), place }
+    }
+}

@@ -1,0 +1,225 @@
+//! Decimal text to f64, the same bits as `str::parse`, with a fast path.
+//!
+//! Fast path (Clinger 1990): a decimal of at most 19 digits whose mantissa is below 2^53 and whose power of
+//! ten is within 10^±22 is one correctly rounded product or quotient of two exact doubles. Everything else
+//! goes to `str::parse`.
+
+/// Powers of ten that a double holds exactly.
+const TEN: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18,
+    1e19, 1e20, 1e21, 1e22,
+];
+
+/// Value of eight ASCII digits held little-endian in a word (first digit in the lowest byte).
+#[inline]
+fn eight_digits(word: u64) -> u64 {
+    let mut v = word.wrapping_sub(0x3030_3030_3030_3030);
+    v = v.wrapping_mul(10).wrapping_add(v >> 8);
+    let low = (v & 0x0000_00FF_0000_00FF).wrapping_mul(0x000F_4240_0000_0064);
+    let high = ((v >> 16) & 0x0000_00FF_0000_00FF).wrapping_mul(0x0000_2710_0000_0001);
+    low.wrapping_add(high) >> 32
+}
+
+/// True when all eight bytes are ASCII digits.
+#[inline]
+fn all_digits(word: u64) -> bool {
+    (word & 0xF0F0_F0F0_F0F0_F0F0) == 0x3030_3030_3030_3030
+        && (word.wrapping_add(0x0606_0606_0606_0606) & 0xF0F0_F0F0_F0F0_F0F0) == 0x3030_3030_3030_3030
+}
+
+#[inline]
+fn word_at(bytes: &[u8], at: usize) -> Option<u64> {
+    let chunk: [u8; 8] = bytes.get(at..at + 8)?.try_into().ok()?;
+    Some(u64::from_le_bytes(chunk))
+}
+
+/// Reads digits from `at` into `mantissa`; returns the position after them.
+#[inline]
+fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
+    while let Some(word) = word_at(bytes, at) {
+        if !all_digits(word) {
+            break;
+        }
+        *mantissa = mantissa.wrapping_mul(100_000_000).wrapping_add(eight_digits(word));
+        at += 8;
+    }
+    while let Some(digit) = bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
+        *mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));
+        at += 1;
+    }
+    at
+}
+
+/// Reads a number that starts at `at`; gives it and the position after it, or nothing where there is no
+/// plain number here or the fast path does not hold.
+#[inline]
+pub(crate) fn scan(bytes: &[u8], at: usize, decimal: u8) -> Option<(f64, usize)> {
+    let first = *bytes.get(at)?;
+    let negative = first == b'-';
+    let start = at + usize::from(negative || first == b'+');
+    let mut mantissa = 0u64;
+    let mut end = digits(bytes, start, &mut mantissa);
+    let mut count = end - start;
+    let mut exponent = 0i64;
+    if bytes.get(end) == Some(&decimal) {
+        let fraction = end + 1;
+        end = digits(bytes, fraction, &mut mantissa);
+        exponent = fraction as i64 - end as i64;
+        count += end - fraction;
+    }
+    if count == 0 || count > 19 {
+        return None;
+    }
+    if matches!(bytes.get(end), Some(b'e' | b'E')) {
+        let mut e = end + 1;
+        let minus = bytes.get(e) == Some(&b'-');
+        if minus || bytes.get(e) == Some(&b'+') {
+            e += 1;
+        }
+        let mut value = 0u64;
+        let stop = digits(bytes, e, &mut value);
+        if stop == e || stop - e > 4 {
+            return None;
+        }
+        exponent += if minus { -(value as i64) } else { value as i64 };
+        end = stop;
+    }
+    if mantissa > 1 << 53 {
+        return None;
+    }
+    let magnitude = mantissa as f64;
+    let value = match usize::try_from(exponent) {
+        Ok(up) => magnitude * TEN.get(up)?,
+        Err(_) => magnitude / TEN.get(usize::try_from(-exponent).ok()?)?,
+    };
+    Some((if negative { -value } else { value }, end))
+}
+
+/// What a cell holds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cell {
+    /// A finite number.
+    Number(f64),
+    /// NaN or an infinity.
+    NotFinite,
+    /// Nothing but blanks.
+    Blank,
+    /// Other text.
+    Text,
+}
+
+/// Blanks, quotes and a leading apostrophe taken off both ends.
+pub(crate) fn trim(cell: &[u8]) -> &[u8] {
+    let mut cell = cell;
+    while let [b' ' | b'\t' | b'"' | b'\r' | b'\'' | 0xA0, rest @ ..] = cell {
+        cell = rest;
+    }
+    while let [rest @ .., b' ' | b'\t' | b'"' | b'\r' | b'\'' | 0xA0] = cell {
+        cell = rest;
+    }
+    cell
+}
+
+/// Reads a whole cell.
+pub(crate) fn cell(bytes: &[u8], decimal: u8) -> Cell {
+    let text = trim(bytes);
+    if text.is_empty() {
+        return Cell::Blank;
+    }
+    if let Some((value, end)) = scan(text, 0, decimal)
+        && end == text.len()
+    {
+        return Cell::Number(value);
+    }
+    slow(text, decimal)
+}
+
+#[cold]
+fn slow(text: &[u8], decimal: u8) -> Cell {
+    if text.len() > 400 {
+        return Cell::Text;
+    }
+    let mut buffer = [0u8; 400];
+    for (to, from) in buffer.iter_mut().zip(text) {
+        *to = if *from == decimal { b'.' } else { *from };
+    }
+    let Some(Ok(text)) = buffer.get(..text.len()).map(std::str::from_utf8) else {
+        return Cell::Text;
+    };
+    match text.replace('\u{2212}', "-").parse::<f64>() {
+        Ok(value) if value.is_finite() => Cell::Number(value),
+        Ok(_) => Cell::NotFinite,
+        Err(_) if text.to_ascii_lowercase().contains("nan") && text.len() < 12 => Cell::NotFinite,
+        Err(_) if ["null", "none", "na", "n/a", "-"].contains(&text.to_ascii_lowercase().as_str()) => {
+            Cell::Blank
+        }
+        Err(_) => Cell::Text,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn same(text: &str) {
+        let expected: f64 = text.parse().unwrap();
+        assert_eq!(cell(text.as_bytes(), b'.'), Cell::Number(expected), "{text}");
+        let Cell::Number(got) = cell(text.as_bytes(), b'.') else { unreachable!() };
+        assert_eq!(got.to_bits(), expected.to_bits(), "{text}");
+    }
+
+    #[test]
+    fn same_bits_as_std() {
+        for text in [
+            "0",
+            "-0",
+            "+1",
+            "1.",
+            ".5",
+            "-.5",
+            "0.1",
+            "1e22",
+            "1e23",
+            "-1.5E-3",
+            "9007199254740993",
+            "123456789.123456789",
+            "0.000000000000000000000001",
+            "4.9e-324",
+            "1.7976931348623157e308",
+            "12345678901234567890123.5",
+            "4.270000000000000000e+02",
+            "-6.522334815286109366e-01",
+        ] {
+            same(text);
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_double_reads_back(bits in any::<u64>()) {
+            let value = f64::from_bits(bits);
+            if value.is_finite() {
+                same(&format!("{value:e}"));
+                same(&format!("{value}"));
+            }
+        }
+
+        #[test]
+        fn any_decimal(text in "[-+]?[0-9]{1,12}\\.[0-9]{0,14}(e[-+]?[0-9]{1,2})?") {
+            same(&text);
+        }
+    }
+
+    #[test]
+    fn cells() {
+        assert_eq!(cell(b" 1,5 ", b','), Cell::Number(1.5));
+        assert_eq!(cell(b"\"2.5\"", b'.'), Cell::Number(2.5));
+        assert_eq!(cell(b"  ", b'.'), Cell::Blank);
+        assert_eq!(cell(b"NaN", b'.'), Cell::NotFinite);
+        assert_eq!(cell(b"inf", b'.'), Cell::NotFinite);
+        assert_eq!(cell(b"1.2.3", b'.'), Cell::Text);
+        assert_eq!(cell(b"abc", b'.'), Cell::Text);
+        assert_eq!(cell(b"-", b'.'), Cell::Blank);
+    }
+}

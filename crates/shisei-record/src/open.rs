@@ -1,0 +1,470 @@
+//! Opening: from inputs to a recording, and looking into a file without needing one.
+
+use crate::body::{self, Body, TimeForm, Wanted};
+use crate::clock::{self, Stamps};
+use crate::dialect;
+use crate::error::{Error, Problem, Result};
+use crate::options::Options;
+use crate::plan::{Plan, Reading, Triple};
+use crate::recording::{Channel, Findings, Note, Recording};
+use crate::sheet::{self, Sheet};
+use crate::stamp::{self, Cycle};
+use crate::units::{SECOND, Unit};
+use crate::{Input, merge, settle};
+use std::borrow::Cow;
+
+/// Unpacked files larger than this are refused.
+pub(crate) const UNPACKED_LIMIT: u64 = 4 << 30;
+
+/// One file's share of a recording, before units are settled.
+#[derive(Debug, Default)]
+pub(crate) struct Part {
+    pub name: String,
+    pub dialect: &'static str,
+    pub acc: Option<Triple>,
+    pub gyro: Option<Triple>,
+    pub reading: Reading,
+    pub body: Body,
+    pub time_s: Vec<f64>,
+    pub dt_s: Vec<f64>,
+    /// What time 0 is, nanoseconds since 1970, where known.
+    pub origin_ns: Option<i64>,
+    pub findings: Findings,
+    pub channels: Vec<Channel>,
+    pub assumptions: Vec<Note>,
+    pub warnings: Vec<Note>,
+    pub keep_names: Vec<String>,
+    /// Neither stamps nor a rate: time is in rows and no use.
+    pub rate_missing: bool,
+    /// Name of a column without gravity, where there is no other acceleration.
+    pub without_gravity: Option<String>,
+}
+
+/// What a file holds, whether or not it makes a recording.
+#[derive(Debug)]
+pub struct Inspection {
+    /// Id of the dialect of the first file; empty where it has none.
+    pub dialect: &'static str,
+    /// Name of the dialect.
+    pub dialect_name: &'static str,
+    /// Encoding and separator of the first text file, for people.
+    pub layout: String,
+    /// Lines before the header of the first text file.
+    pub preamble: Vec<String>,
+    /// Every column of every file.
+    pub channels: Vec<Channel>,
+    /// The recording, where there is one.
+    pub recording: Option<Recording>,
+    /// Why there is none.
+    pub refusal: Option<Error>,
+}
+
+/// Opens a recording: one file, or the accelerometer's and the gyroscope's files of one recording.
+pub fn open(inputs: &[Input<'_>], options: &Options) -> Result<Recording> {
+    let mut parts = Vec::new();
+    for input in inputs {
+        let bytes = unpack(input)?;
+        let sheet = sheet::sniff(input.name, &bytes, options)?;
+        parts.push(text_part(&sheet, options, inputs.len() > 1)?);
+    }
+    if parts.is_empty() {
+        return Err(Error::of_file("", Problem::Empty));
+    }
+    let part = merge::merge(parts)?;
+    settle::settle(part, options)
+}
+
+/// Looks into files: channels and layout in any case, the recording or why there is none.
+pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
+    let mut out = Inspection {
+        dialect: "",
+        dialect_name: "",
+        layout: String::new(),
+        preamble: Vec::new(),
+        channels: Vec::new(),
+        recording: None,
+        refusal: None,
+    };
+    for (i, input) in inputs.iter().enumerate() {
+        let bytes = unpack(input)?;
+        let sheet = match sheet::sniff(input.name, &bytes, options) {
+            Ok(sheet) => sheet,
+            Err(error) if inputs.len() == 1 => return Err(error),
+            Err(error) => {
+                out.refusal.get_or_insert(error);
+                continue;
+            }
+        };
+        let (dialect, reading) = read_names(&sheet, options);
+        let plan = Plan::make(&sheet, &reading, options).unwrap_or_default();
+        out.channels.extend(plan.channels(&sheet, &reading));
+        if i == 0 {
+            out.dialect = dialect.id;
+            out.dialect_name = dialect.name;
+            out.layout = format!("{}, {}", sheet.encoding.name(), sheet.delimiter.name());
+            if sheet.decimal == b',' {
+                out.layout.push_str(", decimal comma");
+            }
+            out.preamble.clone_from(&sheet.preamble);
+        }
+    }
+    match open(inputs, options) {
+        Ok(recording) => {
+            out.channels.clone_from(&recording.channels);
+            out.dialect = recording.dialect;
+            out.recording = Some(recording);
+        }
+        Err(error) => out.refusal = Some(error),
+    }
+    Ok(out)
+}
+
+/// Unpacks gzip; tells known binary formats by their first bytes.
+fn unpack<'a>(input: &Input<'a>) -> Result<Cow<'a, [u8]>> {
+    let fail = |problem| Error::of_file(input.name, problem);
+    let bytes = input.bytes;
+    if bytes.is_empty() {
+        return Err(fail(Problem::Empty));
+    }
+    for (magic, format) in [
+        (b"PK\x03\x04".as_slice(), "a ZIP archive or an Excel workbook (.xlsx)"),
+        (b"\xD0\xCF\x11\xE0", "an old Excel workbook (.xls)"),
+        (b"\x89MCAP0\r\n", "an MCAP file"),
+        (b"\x89HDF\r\n", "an HDF5 or MATLAB file"),
+        (b"MATLAB", "a MATLAB file"),
+        (b"#ROSBAG", "a ROS bag"),
+        (b"SQLite format 3", "an SQLite database or ROS 2 bag"),
+        (b"%PDF", "a PDF document"),
+        (b"\x89PNG", "a picture"),
+    ] {
+        if bytes.starts_with(magic) {
+            return Err(fail(Problem::OtherFormat { format }));
+        }
+    }
+    if !bytes.starts_with(b"\x1F\x8B") {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    gunzip(bytes).map(Cow::Owned).map_err(fail)
+}
+
+fn gunzip(bytes: &[u8]) -> std::result::Result<Vec<u8>, Problem> {
+    use std::io::Read;
+    let mut out = Vec::new();
+    let mut reader = flate2::read::MultiGzDecoder::new(bytes).take(UNPACKED_LIMIT + 1);
+    reader.read_to_end(&mut out).map_err(|e| Problem::Damaged { format: "gzip", detail: e.to_string() })?;
+    if out.len() as u64 > UNPACKED_LIMIT {
+        return Err(Problem::TooLarge { limit: UNPACKED_LIMIT });
+    }
+    Ok(out)
+}
+
+fn read_names(sheet: &Sheet<'_>, options: &Options) -> (dialect::Dialect, Reading) {
+    let dialect = dialect::of(sheet, options.dialect.as_deref());
+    let mut reading = Reading::of(sheet);
+    (dialect.mend)(sheet, &mut reading);
+    (dialect, reading)
+}
+
+/// Reads one text file.
+fn text_part(sheet: &Sheet<'_>, options: &Options, split: bool) -> Result<Part> {
+    let (dialect, reading) = read_names(sheet, options);
+    let plan = Plan::make(sheet, &reading, options)?;
+    let names = sheet.column_names();
+    refuse(sheet.name, &plan, &names, split)?;
+    let mut wanted = Wanted {
+        keep: plan.keep.clone(),
+        skip_bad: options.skip_bad_rows,
+        lenient_temp: true,
+        ..Wanted::default()
+    };
+    for (triple, first) in [(&plan.acc, body::ACC), (&plan.gyro, body::GYRO)] {
+        if let Some(triple) = triple {
+            for axis in 0..3 {
+                wanted.slot[first + axis] = Some(triple.columns[axis]);
+            }
+        }
+    }
+    wanted.slot[body::TEMP] = plan.temp;
+    let clock = time_columns(sheet, &plan, &reading, options, &mut wanted);
+    let body = body::read(sheet, &wanted)?;
+    let mut part = Part {
+        name: sheet.name.to_owned(),
+        dialect: dialect.id,
+        channels: plan.channels(sheet, &reading),
+        keep_names: plan.keep.iter().filter_map(|c| names.get(*c).cloned()).collect(),
+        without_gravity: plan.without_gravity.clone(),
+        acc: plan.acc,
+        gyro: plan.gyro,
+        ..Part::default()
+    };
+    part.assumptions.extend(reading.assumptions.iter().cloned());
+    part.warnings.extend(reading.warnings.iter().cloned());
+    part.body = body;
+    part.reading = reading;
+    finish_time(&mut part, clock, &wanted, options)?;
+    Ok(part)
+}
+
+/// Tables that cannot give a recording.
+fn refuse(name: &str, plan: &Plan, names: &[String], split: bool) -> Result<()> {
+    let columns = names.to_vec();
+    let problem = match (&plan.acc, &plan.gyro) {
+        (Some(_), Some(_)) => return Ok(()),
+        _ if split && (plan.acc.is_some() || plan.gyro.is_some()) => return Ok(()),
+        (None, _) if plan.without_gravity.is_some() => Problem::GravityRemoved {
+            column: plan.without_gravity.clone().unwrap_or_default(),
+            norm_m_s2: f64::NAN,
+        },
+        (Some(_), None) => Problem::NoGyro { columns },
+        (None, Some(_)) => Problem::NoAcc { columns },
+        (None, None) => Problem::NotARecording { columns },
+    };
+    Err(Error::of_file(name, problem))
+}
+
+/// How the time column is to be understood.
+#[derive(Clone, Copy, Debug, Default)]
+struct Clock {
+    unit: Option<Unit>,
+    /// The column is a running number, not a time.
+    counter: bool,
+    cycle: Cycle2,
+    /// True for a time since 1970 in text.
+    dated: bool,
+}
+
+/// A raw clock's cycle, in raw units or in seconds.
+#[derive(Clone, Copy, Debug, Default)]
+enum Cycle2 {
+    #[default]
+    None,
+    Raw(f64),
+    Seconds(f64),
+}
+
+fn time_columns(
+    sheet: &Sheet<'_>,
+    plan: &Plan,
+    reading: &Reading,
+    options: &Options,
+    wanted: &mut Wanted,
+) -> Clock {
+    let mut clock = Clock::default();
+    if options.rate_hz.is_some() {
+        return clock;
+    }
+    let mut column = plan.time.filter(|c| body::time_form(sheet, *c).is_some());
+    if column.is_none() {
+        column = plan.counter.filter(|_| reading.rate_hz.is_some());
+        clock.counter = column.is_some();
+    }
+    let Some(column) = column else { return clock };
+    let Some(form) = body::time_form(sheet, column) else { return clock };
+    wanted.slot[body::TIME] = Some(column);
+    wanted.time_form = form;
+    clock.unit = options.units.time.or(plan.time_unit).or(reading.time_unit);
+    if let Some(cycle) = reading.time_cycle {
+        clock.cycle = Cycle2::Raw(cycle);
+    }
+    if let TimeForm::Text(_) = form {
+        clock.unit = Some(SECOND);
+        let cell = sheet.sample.iter().filter_map(|r| r.get(column)).find(|c| !c.trim().is_empty());
+        let cycle = cell.and_then(|c| stamp::parse(c.trim().as_bytes())).map_or(Cycle::None, |s| s.cycle);
+        clock.cycle = Cycle2::Seconds(cycle.seconds());
+        clock.dated = cycle == Cycle::None;
+    }
+    if let Some(coarse) = reading.coarse_time
+        && let Some(form) = body::time_form(sheet, coarse)
+    {
+        wanted.slot[body::COARSE] = Some(coarse);
+        wanted.coarse_form = form;
+    }
+    clock
+}
+
+/// From raw time to seconds.
+fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, options: &Options) -> Result<()> {
+    let mut seconds = std::mem::take(&mut part.body.time);
+    let rows = part.body.rows;
+    let mut unit = clock.unit;
+    if clock.counter {
+        let hz = part.reading.rate_hz.unwrap_or(100.0);
+        unit = Some(Unit::Time(1.0 / hz, "samples"));
+        let bits = counter_cycle(&seconds);
+        unwrap_counter(&mut seconds, bits, &mut part.findings);
+        part.assumptions.push(Note::new(
+            "time-from-counter",
+            format!("time is made from the sample counter and the stated rate of {hz} Hz"),
+            format!("時刻はサンプル番号と記載の {hz} Hz から作ります"),
+        ));
+    }
+    let origin = match wanted.time_form {
+        TimeForm::Large(origin) => origin as f64,
+        _ => seconds.first().copied().unwrap_or(0.0),
+    };
+    if unit.is_none() && !seconds.is_empty() {
+        match guess_time_unit(&seconds, origin) {
+            Some((guess, why)) => {
+                part.assumptions.push(Note::new(
+                    "unit-time-inferred",
+                    format!("the time column has no unit: taken as {} ({why})", guess.name()),
+                    format!("時刻の列に単位がないため {} とみなしました", guess.name()),
+                ));
+                unit = Some(guess);
+            }
+            None => seconds.clear(),
+        }
+    }
+    if let Some(channel) = part.channels.iter_mut().find(|c| c.role == "time_s")
+        && let Some(unit) = unit
+        && channel.unit.is_empty()
+    {
+        unit.name().clone_into(&mut channel.unit);
+    }
+    let factor = match unit {
+        Some(Unit::Time(factor, _)) => factor,
+        _ => 1.0,
+    };
+    if factor != 1.0 {
+        // Decimal fractions of a second are exact quotients: 0.01 s is 10 / 1000, not 10 × 0.001.
+        let inverse = (1.0 / factor).round();
+        let exact = factor < 1.0 && ((1.0 / inverse) - factor).abs() < 1e-12 * factor;
+        for value in &mut seconds {
+            *value = if exact { *value / inverse } else { *value * factor };
+        }
+    }
+    let cycle_s = match clock.cycle {
+        Cycle2::None => 0.0,
+        Cycle2::Raw(raw) => raw * factor,
+        Cycle2::Seconds(seconds) => seconds,
+    };
+    part.origin_ns = origin_of(wanted.time_form, clock, origin, factor);
+    settle_cycles(&mut seconds, &part.body.coarse, cycle_s, &mut part.findings);
+    let cycle_s = if part.body.coarse.is_empty() { cycle_s } else { 0.0 };
+    let mut stamps = Stamps { seconds, cycle_s, stated_hz: part.reading.rate_hz, given_hz: options.rate_hz };
+    // Without stamps and rate the units are still settled first: counts are the more telling refusal.
+    part.rate_missing = stamps.seconds.is_empty() && stamps.stated_hz.is_none() && stamps.given_hz.is_none();
+    if part.rate_missing {
+        stamps.given_hz = Some(100.0);
+    }
+    let Some(timeline) = clock::timeline(stamps, rows, &mut part.findings) else {
+        return Err(Error::of_file(&part.name, Problem::RateNeeded));
+    };
+    part.time_s = timeline.time_s;
+    part.dt_s = timeline.dt_s;
+    part.assumptions.extend(timeline.notes);
+    part.warnings.extend(timeline.warnings);
+    // A clock that counts from long ago (device start, 1970) starts at 0.
+    if part.origin_ns.is_some()
+        && let Some(first) = part.time_s.first().copied()
+    {
+        let shift = first;
+        if shift != 0.0 {
+            part.origin_ns = part.origin_ns.map(|ns| ns.saturating_add((shift * 1e9) as i64));
+            for t in &mut part.time_s {
+                *t -= shift;
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Nanoseconds since 1970 (or since the clock's own start, for large counts) of time 0.
+fn origin_of(form: TimeForm, clock: Clock, origin: f64, factor: f64) -> Option<i64> {
+    match form {
+        TimeForm::Text(ns) if clock.dated => Some(ns),
+        TimeForm::Large(n) => {
+            // Seconds, milliseconds … of a count: exact in integers where the factor is a decimal one.
+            let per = (factor * 1e9).round();
+            Some(n.saturating_mul(per as i64))
+        }
+        TimeForm::Number if origin * factor > 1e6 => None,
+        _ => None,
+    }
+}
+
+/// A fine clock that starts again every cycle, beside a coarse one that does not.
+fn settle_cycles(seconds: &mut [f64], coarse: &[f64], cycle_s: f64, findings: &mut Findings) {
+    if coarse.is_empty() || cycle_s <= 0.0 || coarse.len() != seconds.len() {
+        return;
+    }
+    let (Some(first), Some(first_coarse)) = (seconds.first().copied(), coarse.first().copied()) else {
+        return;
+    };
+    let mut offset = 0.0;
+    let mut previous = first;
+    for (t, c) in seconds.iter_mut().zip(coarse) {
+        if *t < previous - 0.5 * cycle_s {
+            offset += cycle_s;
+            findings.wraps += 1;
+        }
+        previous = *t;
+        // Whole cycles that passed unseen during a pause.
+        let behind = (c - first_coarse) - (*t + offset - first);
+        if behind > 1.5 * cycle_s {
+            offset += (behind / cycle_s).floor() * cycle_s;
+        }
+        *t += offset;
+    }
+}
+
+/// 2^8, 2^16 or 2^32 where a counter falls from near it to near zero; 0 else.
+fn counter_cycle(counts: &[f64]) -> f64 {
+    let highest = counts.iter().copied().fold(0.0, f64::max);
+    for cycle in [256.0, 65_536.0, 4_294_967_296.0] {
+        if highest < cycle {
+            let falls = counts.windows(2).any(|w| w[0] > 0.9 * cycle && w[1] < 0.1 * cycle);
+            return if falls { cycle } else { 0.0 };
+        }
+    }
+    0.0
+}
+
+fn unwrap_counter(counts: &mut [f64], cycle: f64, findings: &mut Findings) {
+    if cycle <= 0.0 {
+        return;
+    }
+    let mut offset = 0.0;
+    let mut previous = counts.first().copied().unwrap_or(0.0);
+    for c in counts {
+        if *c < previous - 0.5 * cycle {
+            offset += cycle;
+            findings.wraps += 1;
+        }
+        previous = *c;
+        *c += offset;
+    }
+}
+
+/// The unit of a time column without one, from its start and its usual step; `None` for a mere counter.
+fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
+    use crate::units::{MICROSECOND, MILLISECOND, NANOSECOND};
+    for (low, high, unit) in [
+        (0.9e9, 4.0e9, SECOND),
+        (0.9e12, 4.0e12, MILLISECOND),
+        (0.9e15, 4.0e15, MICROSECOND),
+        (0.9e18, 4.0e18, NANOSECOND),
+    ] {
+        let step = clock::usual_step(raw);
+        if (low..high).contains(&origin) && (unit != SECOND || step < 5.0) {
+            return Some((unit, "it counts from 1970"));
+        }
+    }
+    let step = clock::usual_step(raw);
+    // A count that rises by one: sample numbers, unless it also skips as milliseconds do.
+    let whole = raw.iter().take(2000).all(|v| *v == v.trunc());
+    let ones = raw.windows(2).take(2000).filter(|w| w[1] - w[0] == 1.0).count();
+    let taken = raw.len().saturating_sub(1).clamp(1, 2000);
+    if whole && ones * 100 >= taken * 98 {
+        return None;
+    }
+    Some(if step < 0.9 {
+        (SECOND, "by its usual step")
+    } else if step <= 1_000.0 && whole || step < 500.0 {
+        (MILLISECOND, "by its usual step")
+    } else if step < 400_000.0 {
+        (MICROSECOND, "by its usual step")
+    } else {
+        (NANOSECOND, "by its usual step")
+    })
+}

@@ -1,0 +1,254 @@
+//! Time stamps written as text: dates, times of day, minutes and seconds.
+
+/// What a stamp counts from, so that a wrap (hour, midnight) can be undone.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Cycle {
+    /// A date is there: never wraps.
+    None,
+    /// Time of day: wraps every 24 h.
+    Day,
+    /// Minutes and seconds: wraps every hour.
+    Hour,
+}
+
+impl Cycle {
+    /// Seconds of a cycle, 0 where there is none.
+    pub fn seconds(self) -> f64 {
+        match self {
+            Cycle::None => 0.0,
+            Cycle::Day => 86_400.0,
+            Cycle::Hour => 3_600.0,
+        }
+    }
+}
+
+/// A stamp: nanoseconds since 1970 (no time zone applied), since midnight or since the hour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Stamp {
+    /// Nanoseconds.
+    pub ns: i64,
+    /// What they count from.
+    pub cycle: Cycle,
+}
+
+/// True for text that has the shape of a stamp.
+pub(crate) fn looks_like(text: &[u8]) -> bool {
+    text.len() >= 4
+        && text.len() <= 48
+        && text.first().is_some_and(u8::is_ascii_digit)
+        && text.iter().filter(|b| **b == b':').count() >= 1
+        && parse(text).is_some()
+        || text.len() >= 15 && text.first().is_some_and(u8::is_ascii_digit) && parse(text).is_some()
+}
+
+/// Days from 1970-01-01 of a date of the Gregorian calendar (Hinnant's algorithm).
+fn days(year: i64, month: i64, day: i64) -> i64 {
+    let y = if month <= 2 { year - 1 } else { year };
+    let era = y.div_euclid(400);
+    let of_era = y - era * 400;
+    let shifted = (month + 9) % 12;
+    let of_year = (153 * shifted + 2) / 5 + day - 1;
+    era * 146_097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719_468
+}
+
+/// Digits of a fraction to nanoseconds.
+fn fraction_ns(text: &[u8]) -> Option<i64> {
+    let mut ns = 0i64;
+    let mut scale = 100_000_000i64;
+    for byte in text {
+        let digit = byte.checked_sub(b'0').filter(|d| *d < 10)?;
+        ns += i64::from(digit) * scale;
+        scale /= 10;
+    }
+    Some(ns)
+}
+
+fn whole(text: &[u8]) -> Option<i64> {
+    if text.is_empty() || text.len() > 9 {
+        return None;
+    }
+    text.iter().try_fold(0i64, |n, b| Some(n * 10 + i64::from(b.checked_sub(b'0').filter(|d| *d < 10)?)))
+}
+
+/// Reads a stamp: `2024-05-01 10:31:27.812`, `2024/05/01T10:31:27,812+09:00`, `05/01/2024 10:31:27 PM`,
+/// `20240501_103127_812`, `2021-08-20_20:21:13_804`, `10:31:27.812`, `10:31:27:812`, `31:27.8`.
+pub fn parse(text: &[u8]) -> Option<Stamp> {
+    if text.len() > 48 || !text.is_ascii() || !text.first().is_some_and(u8::is_ascii_digit) {
+        return None;
+    }
+    let mut date = 0i64;
+    let mut has_date = false;
+    let mut rest = text;
+    if let Some((day, after)) = leading_date(text) {
+        date = day;
+        has_date = true;
+        rest = after;
+    }
+    while let [b' ' | b'T' | b't' | b'_' | b'-' | b',', after @ ..] = rest {
+        rest = after;
+    }
+    // Zone and half of the day at the end.
+    let mut offset_ns = 0i64;
+    if let Some(head) = rest.strip_suffix(b"Z").or_else(|| rest.strip_suffix(b"z")) {
+        rest = head;
+    }
+    for (suffix, pm) in [(b"PM", true), (b"AM", false), (b"pm", true), (b"am", false)] {
+        if let Some(head) = rest.strip_suffix(suffix) {
+            rest = head.trim_ascii_end();
+            let hour = whole(rest.split(|b| *b == b':').next()?)?;
+            if pm && hour < 12 {
+                offset_ns = 12 * 3_600_000_000_000;
+            } else if !pm && hour == 12 {
+                offset_ns = -12 * 3_600_000_000_000;
+            }
+        }
+    }
+    if let Some(zone) = rest.iter().rposition(|b| matches!(b, b'+' | b'-' | b' '))
+        && rest.get(..zone).is_some_and(|h| h.contains(&b':'))
+    {
+        rest = rest.get(..zone)?.trim_ascii_end();
+    }
+    if rest.is_empty() && !has_date {
+        return None;
+    }
+    let (ns, parts) = clock(rest)?;
+    let ns = ns + offset_ns;
+    if has_date {
+        return Some(Stamp {
+            ns: date.checked_mul(86_400_000_000_000)?.checked_add(ns)?,
+            cycle: Cycle::None,
+        });
+    }
+    Some(Stamp { ns, cycle: if parts == 2 { Cycle::Hour } else { Cycle::Day } })
+}
+
+/// A date at the start: days since 1970 and what follows.
+fn leading_date(text: &[u8]) -> Option<(i64, &[u8])> {
+    let run = |t: &[u8]| t.iter().take_while(|b| b.is_ascii_digit()).count();
+    let first = run(text);
+    if first == 8 && matches!(text.get(8), Some(b'T' | b' ' | b'_' | b'-')) {
+        let day = days(whole(text.get(..4)?)?, whole(text.get(4..6)?)?, whole(text.get(6..8)?)?);
+        return Some((day, text.get(8..)?));
+    }
+    let separator = *text.get(first)?;
+    if !matches!(separator, b'-' | b'/' | b'.') || first == 0 {
+        return None;
+    }
+    let second_text = text.get(first + 1..)?;
+    let second = run(second_text);
+    if second == 0 || second > 2 || second_text.get(second) != Some(&separator) {
+        return None;
+    }
+    let third_text = second_text.get(second + 1..)?;
+    let third = run(third_text);
+    let (a, b, c) =
+        (whole(text.get(..first)?)?, whole(second_text.get(..second)?)?, whole(third_text.get(..third)?)?);
+    let (year, month, day) = if first == 4 {
+        (a, b, c)
+    } else if third == 4 || third == 2 {
+        let year = if third == 2 { 2000 + c } else { c };
+        // Month first as in the United States with '/', day first else; 13 and above decides.
+        if b > 12 || (separator == b'/' && a <= 12) { (year, a, b) } else { (year, b, a) }
+    } else {
+        return None;
+    };
+    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..=2200).contains(&year) {
+        return None;
+    }
+    Some((days(year, month, day), third_text.get(third..)?))
+}
+
+/// A time of day or minutes and seconds: nanoseconds and the number of parts.
+fn clock(text: &[u8]) -> Option<(i64, usize)> {
+    const SECOND: i64 = 1_000_000_000;
+    if text.is_empty() {
+        return Some((0, 3));
+    }
+    let separators = text.iter().filter(|b| **b == b':').count();
+    if separators == 0 {
+        // 103127, 103127_812, 10-31-27_812
+        let plain: Vec<&[u8]> = text.split(|b| matches!(b, b'_' | b'.' | b'-')).collect();
+        return match plain.as_slice() {
+            [hms] | [hms, _] if hms.len() == 6 => {
+                let fraction = plain.get(1).map_or(Some(0), |f| fraction_ns(f))?;
+                let s = whole(hms.get(..2)?)? * 3600 + whole(hms.get(2..4)?)? * 60 + whole(hms.get(4..)?)?;
+                Some((s * SECOND + fraction, 3))
+            }
+            [h, m, s] | [h, m, s, _] if h.len() == 2 => {
+                let fraction = plain.get(3).map_or(Some(0), |f| fraction_ns(f))?;
+                let (h, m, s) = (whole(h)?, whole(m)?, whole(s)?);
+                if h > 23 || m > 59 || s > 60 {
+                    return None;
+                }
+                Some(((h * 3600 + m * 60 + s) * SECOND + fraction, 3))
+            }
+            _ => None,
+        };
+    }
+    let mut parts = text.split(|b| *b == b':');
+    let (a, b, c, d) = (parts.next()?, parts.next()?, parts.next(), parts.next());
+    if parts.next().is_some() {
+        return None;
+    }
+    let seconds = |text: &[u8]| -> Option<i64> {
+        let cut = text.iter().position(|b| matches!(b, b'.' | b',' | b'_'));
+        let (whole_part, fraction) = match cut {
+            Some(at) => (text.get(..at)?, fraction_ns(text.get(at + 1..)?)?),
+            None => (text, 0),
+        };
+        let s = whole(whole_part)?;
+        if s > 60 { None } else { Some(s * SECOND + fraction) }
+    };
+    // At most 1e6 h, so that the nanoseconds fit.
+    let hours = |text: &[u8]| whole(text).filter(|h| *h <= 1_000_000);
+    let minutes = |m: i64| if m > 59 { None } else { Some(m) };
+    match (c, d) {
+        (None, _) => Some((hours(a)? * 60 * SECOND + seconds(b)?, 2)),
+        (Some(c), None) => {
+            // 31:27.8 has two parts; three are hours, minutes, seconds.
+            Some((hours(a)? * 3600 * SECOND + minutes(whole(b)?)? * 60 * SECOND + seconds(c)?, 3))
+        }
+        (Some(c), Some(d)) => {
+            let ns = hours(a)? * 3600 * SECOND + minutes(whole(b)?)? * 60 * SECOND + seconds(c)?;
+            Some((ns + fraction_ns(d)?, 3))
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn check(text: &str, seconds: f64, cycle: Cycle) {
+        let stamp = parse(text.as_bytes()).unwrap_or_else(|| panic!("{text}"));
+        assert_eq!(stamp.cycle, cycle, "{text}");
+        let difference = stamp.ns as f64 / 1e9 - seconds;
+        assert!(difference > -1e-6 && difference < 1e-6, "{text}: {}", stamp.ns);
+    }
+
+    #[test]
+    fn stamps() {
+        // Seconds since 1970 from `date -u -d ... +%s`.
+        check("2021-07-30 13:28:54", 1_627_651_734.0, Cycle::None);
+        check("2021-07-30T13:28:54.250Z", 1_627_651_734.25, Cycle::None);
+        check("2021/07/30 13:28:54,25", 1_627_651_734.25, Cycle::None);
+        check("07/30/2021 01:28:54 PM", 1_627_651_734.0, Cycle::None);
+        check("30.07.2021 13:28:54", 1_627_651_734.0, Cycle::None);
+        check("20210730_132854_250", 1_627_651_734.25, Cycle::None);
+        check("2021-07-30_13:28:54_250", 1_627_651_734.25, Cycle::None);
+        check("2021-07-30T13:28:54.250-13:00", 1_627_651_734.25, Cycle::None);
+        check("10:31:27.812", 37_887.812, Cycle::Day);
+        check("10:31:27:812", 37_887.812, Cycle::Day);
+        check("31:27.8", 1_887.8, Cycle::Hour);
+        check("00:00.1", 0.1, Cycle::Hour);
+    }
+
+    #[test]
+    fn not_stamps() {
+        for text in
+            ["", ":", "1:2:3:4:5", "12.5", "abc", "99-99-9999", "1:99", "2021-13-40 10:00:00", "-1:00"]
+        {
+            assert_eq!(parse(text.as_bytes()), None, "{text}");
+        }
+    }
+}
