@@ -9,6 +9,7 @@
 //! gravity, axes, clipping).
 
 mod body;
+pub mod calibration;
 mod clock;
 pub mod dialect;
 mod encoding;

@@ -1,0 +1,223 @@
+//! The calibration JSON: what was found about one sensor, with units, date and how sure it is.
+//!
+//! `corrected = matrix · (raw − bias)` for both sensors. Keys that are not known here are kept, so that a file
+//! passes through older versions unharmed.
+
+use serde_json::{Map, Value, json};
+use shisei_core::calibration::{Calibration, SensorModel};
+use shisei_core::{Lang, Vec3};
+
+/// What the key `format` says.
+pub const FORMAT: &str = "shisei-calibration";
+/// The version written here, and the only one read.
+pub const VERSION: u64 = 1;
+
+/// A calibration and everything its file says about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CalibrationFile {
+    /// What is applied.
+    pub calibration: Calibration,
+    /// The whole JSON object, for all other keys.
+    pub document: Map<String, Value>,
+}
+
+/// Why a calibration cannot be read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum CalibrationError {
+    /// Not JSON, or not an object; the parser's words.
+    NotJson(String),
+    /// `format` is missing or another.
+    OtherFormat(String),
+    /// `version` is missing or another.
+    OtherVersion(String),
+    /// A number is missing or not finite: where.
+    BadNumber(String),
+}
+
+impl CalibrationError {
+    /// What was wrong, where, what was expected.
+    pub fn sentence(&self, lang: Lang) -> String {
+        match (self, lang) {
+            (CalibrationError::NotJson(why), Lang::En) => {
+                format!(
+                    "this is not a calibration: it is not a JSON object ({why}); make one with shisei calibrate"
+                )
+            }
+            (CalibrationError::NotJson(why), Lang::Ja) => {
+                format!(
+                    "キャリブレーションファイルではありません。JSON オブジェクトとして読めません ({why})。shisei calibrate で作成してください"
+                )
+            }
+            (CalibrationError::OtherFormat(found), Lang::En) => {
+                format!("this is not a calibration: \"format\" is {found}, expected \"{FORMAT}\"")
+            }
+            (CalibrationError::OtherFormat(found), Lang::Ja) => {
+                format!(
+                    "キャリブレーションファイルではありません。\"format\" が {found} です (\"{FORMAT}\" が必要です)"
+                )
+            }
+            (CalibrationError::OtherVersion(found), Lang::En) => {
+                format!(
+                    "\"version\" is {found}; this shisei reads version {VERSION}: use a newer shisei or calibrate again"
+                )
+            }
+            (CalibrationError::OtherVersion(found), Lang::Ja) => {
+                format!(
+                    "\"version\" が {found} です。この shisei が読めるのはバージョン {VERSION} です。新しい shisei を使うか、キャリブレーションをやり直してください"
+                )
+            }
+            (CalibrationError::BadNumber(place), Lang::En) => {
+                format!("{place} is missing or not made of finite numbers; calibrate again or mend the file")
+            }
+            (CalibrationError::BadNumber(place), Lang::Ja) => {
+                format!(
+                    "{place} がないか、有限の数値ではありません。キャリブレーションをやり直すか、ファイルを修正してください"
+                )
+            }
+        }
+    }
+}
+
+impl CalibrationFile {
+    /// A new file: method, gravity, and the calibration; further keys through [`CalibrationFile::set`].
+    pub fn new(calibration: Calibration, method: &str, gravity_m_s2: f64, created: &str) -> Self {
+        let mut document = Map::new();
+        for (key, value) in [
+            ("format", json!(FORMAT)),
+            ("version", json!(VERSION)),
+            ("sensor", Value::Null),
+            ("created", json!(created)),
+            ("temperature_c", Value::Null),
+            ("method", json!(method)),
+            ("gravity_m_s2", json!(gravity_m_s2)),
+            ("accelerometer", model_json(&calibration.accelerometer, "bias_m_s2")),
+            ("gyroscope", model_json(&calibration.gyroscope, "bias_rad_s")),
+        ] {
+            document.insert(key.to_owned(), value);
+        }
+        CalibrationFile { calibration, document }
+    }
+
+    /// Sets a further key of the document: `sensor`, `temperature_c`, `sigma`, `covariance`, `checks` …
+    pub fn set(&mut self, key: &str, value: Value) {
+        self.document.insert(key.to_owned(), value);
+    }
+
+    /// The key `sigma` in the calibration's shape: standard deviations of biases and matrices.
+    pub fn set_sigma(&mut self, sigma: &Calibration) {
+        let value = json!({
+            "accelerometer": model_json(&sigma.accelerometer, "bias_m_s2"),
+            "gyroscope": model_json(&sigma.gyroscope, "bias_rad_s"),
+        });
+        self.set("sigma", value);
+    }
+
+    /// Reads the text of a file.
+    pub fn from_json(text: &[u8]) -> Result<Self, CalibrationError> {
+        let text = text.strip_prefix(b"\xef\xbb\xbf").unwrap_or(text);
+        let value: Value =
+            serde_json::from_slice(text).map_err(|error| CalibrationError::NotJson(error.to_string()))?;
+        let Value::Object(document) = value else {
+            return Err(CalibrationError::NotJson("no { … }".to_owned()));
+        };
+        let shown = |key: &str| document.get(key).map_or_else(|| "–".to_owned(), Value::to_string);
+        if document.get("format").and_then(Value::as_str) != Some(FORMAT) {
+            return Err(CalibrationError::OtherFormat(shown("format")));
+        }
+        if document.get("version").and_then(Value::as_u64) != Some(VERSION) {
+            return Err(CalibrationError::OtherVersion(shown("version")));
+        }
+        let calibration = Calibration {
+            accelerometer: model(&document, "accelerometer", "bias_m_s2")?,
+            gyroscope: model(&document, "gyroscope", "bias_rad_s")?,
+        };
+        Ok(CalibrationFile { calibration, document })
+    }
+
+    /// The text of a file, ending in a line feed.
+    pub fn to_json(&self) -> String {
+        // A map of finite numbers and strings always serialises.
+        let mut text = serde_json::to_string_pretty(&self.document).unwrap_or_default();
+        text.push('\n');
+        text
+    }
+}
+
+fn model_json(model: &SensorModel, bias_key: &str) -> Value {
+    json!({ bias_key: model.bias, "matrix": model.matrix })
+}
+
+fn model(
+    document: &Map<String, Value>,
+    sensor: &str,
+    bias_key: &str,
+) -> Result<SensorModel, CalibrationError> {
+    let bad = |key: &str| CalibrationError::BadNumber(format!("{sensor}.{key}"));
+    let part = document.get(sensor).ok_or_else(|| CalibrationError::BadNumber(sensor.to_owned()))?;
+    let bias = part.get(bias_key).and_then(vector).ok_or_else(|| bad(bias_key))?;
+    let rows: Vec<Vec3> = match part.get("matrix") {
+        Some(Value::Array(rows)) => rows.iter().filter_map(vector).collect(),
+        _ => Vec::new(),
+    };
+    let matrix: [Vec3; 3] = rows.try_into().map_err(|_| bad("matrix"))?;
+    Ok(SensorModel { bias, matrix })
+}
+
+fn vector(value: &Value) -> Option<Vec3> {
+    let numbers: Vec<f64> =
+        value.as_array()?.iter().filter_map(Value::as_f64).filter(|v| v.is_finite()).collect();
+    numbers.try_into().ok()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn example() -> CalibrationFile {
+        let calibration = Calibration::from_twelve([
+            -0.0272, -0.07121, 0.106377, 0.999356, 0.999585, 0.999567, 0.006784, 0.009346, 0.008648, 1.0,
+            1.0, 1.0,
+        ]);
+        let mut file = CalibrationFile::new(calibration, "six-face", 9.80665, "2026-01-02T03:04:05Z");
+        file.set("sensor", json!("MU-01 #7"));
+        file
+    }
+
+    #[test]
+    fn what_is_written_is_read() {
+        let file = example();
+        assert_eq!(CalibrationFile::from_json(file.to_json().as_bytes()).unwrap(), file);
+    }
+
+    #[test]
+    fn unknown_keys_are_kept() {
+        let mut file = example();
+        file.set("lab", json!({ "room": 7 }));
+        let again = CalibrationFile::from_json(file.to_json().as_bytes()).unwrap();
+        assert_eq!(again.document.get("lab"), Some(&json!({ "room": 7 })));
+    }
+
+    #[test]
+    fn wrong_files_are_named() {
+        let cases: [(&str, fn(&CalibrationError) -> bool); 6] = [
+            ("", |e| matches!(e, CalibrationError::NotJson(_))),
+            ("[1]", |e| matches!(e, CalibrationError::NotJson(_))),
+            ("{}", |e| matches!(e, CalibrationError::OtherFormat(_))),
+            (r#"{"format":"other"}"#, |e| matches!(e, CalibrationError::OtherFormat(_))),
+            (r#"{"format":"shisei-calibration","version":2}"#, |e| {
+                matches!(e, CalibrationError::OtherVersion(_))
+            }),
+            (
+                r#"{"format":"shisei-calibration","version":1,"accelerometer":{"bias_m_s2":[1,2]}}"#,
+                |e| matches!(e, CalibrationError::BadNumber(place) if place == "accelerometer.bias_m_s2"),
+            ),
+        ];
+        for (text, is_expected) in cases {
+            let error = CalibrationFile::from_json(text.as_bytes()).unwrap_err();
+            assert!(is_expected(&error), "{text}: {error:?}");
+            for lang in [Lang::En, Lang::Ja] {
+                assert!(error.sentence(lang).len() > 20);
+            }
+        }
+    }
+}
