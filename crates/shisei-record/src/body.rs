@@ -6,8 +6,8 @@ use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
 use crate::stamp::{self, Cycle};
 use shisei_core::Vec3;
 
-/// Slots of a row: time, acc ×3, gyr ×3, temperature, coarse time.
-pub(crate) const SLOTS: usize = 9;
+/// Slots of a row: time, acc ×3, gyr ×3, temperature, coarse time, gravity ×3.
+pub(crate) const SLOTS: usize = 12;
 /// Slot of the time column.
 pub(crate) const TIME: usize = 0;
 /// First slot of the acceleration.
@@ -18,6 +18,8 @@ pub(crate) const GYRO: usize = 4;
 pub(crate) const TEMP: usize = 7;
 /// Slot of a second, coarser time column.
 pub(crate) const COARSE: usize = 8;
+/// First slot of a gravity that is added to the acceleration.
+pub(crate) const GRAVITY: usize = 9;
 const SKIP: u8 = u8::MAX;
 
 /// How cells of a time column are read.
@@ -189,7 +191,7 @@ pub(crate) fn read(sheet: &Sheet<'_>, wanted: &Wanted) -> Result<Body> {
         at = next;
         if line.len() > LINE_LIMIT {
             let place = Place { file: sheet.name.to_owned(), line: Some(line_number), column: None };
-            return Err(Error { problem: Problem::LineTooLong { limit: LINE_LIMIT }, place });
+            return Err(Error::at(Problem::LineTooLong { limit: LINE_LIMIT }, place));
         }
         if number::trim(line).is_empty() {
             continue;
@@ -270,7 +272,9 @@ fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
     if wanted.slot[COARSE].is_some() {
         out.coarse.push(row[COARSE]);
     }
-    if wanted.slot[ACC].is_some() {
+    if wanted.slot[GRAVITY].is_some() {
+        out.acc.push([0, 1, 2].map(|i| row[ACC + i] + row[GRAVITY + i]));
+    } else if wanted.slot[ACC].is_some() {
         out.acc.push([row[ACC], row[ACC + 1], row[ACC + 2]]);
     }
     if wanted.slot[GYRO].is_some() {
@@ -381,6 +385,6 @@ impl Reader<'_, '_> {
     fn error(&self, bad: &Bad, line: usize) -> Error {
         let column = bad.column.map(|c| (c + 1, self.sheet.header.get(c).cloned().unwrap_or_default()));
         let place = Place { file: self.sheet.name.to_owned(), line: Some(line), column };
-        Error { problem: bad.problem.clone(), place }
+        Error::at(bad.problem.clone(), place)
     }
 }

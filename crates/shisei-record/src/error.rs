@@ -70,8 +70,8 @@ pub enum Problem {
     GravityRemoved {
         /// The column that says so, or empty where the values do.
         column: String,
-        /// |a| at rest, m/s²; NaN where not measured.
-        norm_m_s2: f64,
+        /// |a| at rest, m/s², where it was measured.
+        norm_m_s2: Option<f64>,
     },
     /// Integers of an analogue-to-digital converter, without a scale.
     RawCounts {
@@ -164,21 +164,26 @@ pub struct Error {
     /// What is wrong.
     pub problem: Problem,
     /// Where.
-    pub place: Place,
+    pub place: Box<Place>,
 }
 
 impl Error {
     /// A problem of a whole file.
     pub fn of_file(file: &str, problem: Problem) -> Self {
-        Error { problem, place: Place { file: file.to_owned(), ..Place::default() } }
+        Error { problem, place: Box::new(Place { file: file.to_owned(), ..Place::default() }) }
     }
 
     /// A problem of an option.
     pub fn of_option(option: &'static str, value: &str, expected: &'static str) -> Self {
         Error {
             problem: Problem::BadOption { option, value: shorten(value), expected },
-            place: Place::default(),
+            place: Box::default(),
         }
+    }
+
+    /// A problem with its place.
+    pub fn at(problem: Problem, place: Place) -> Self {
+        Error { problem, place: Box::new(place) }
     }
 
     /// The exit code of INTERFACES: 1 where the data do not meet a condition, 2 for bad input or usage.

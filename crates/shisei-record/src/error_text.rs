@@ -65,10 +65,9 @@ pub(crate) fn english(problem: &Problem) -> String {
             list(columns)
         ),
         Problem::GravityRemoved { column, norm_m_s2 } => {
-            let why = if column.is_empty() {
-                format!("|a| at rest is {norm_m_s2:.3} m/s² where about 9.8 is expected")
-            } else {
-                format!("\"{}\" is acceleration without gravity", shorten(column))
+            let why = match norm_m_s2 {
+                Some(norm) => format!("|a| at rest is {norm:.3} m/s² where about 9.8 is expected"),
+                None => format!("\"{}\" is acceleration without gravity", shorten(column)),
             };
             format!(
                 "gravity was removed from the acceleration ({why}); gravity is what tells up from down; \
@@ -191,10 +190,9 @@ pub(crate) fn japanese(problem: &Problem) -> String {
             format!("列 ({}) に加速度がありません。加速度のファイルを一緒に指定してください", list(columns))
         }
         Problem::GravityRemoved { column, norm_m_s2 } => {
-            let why = if column.is_empty() {
-                format!("静止時の |a| が約 9.8 ではなく {norm_m_s2:.3} m/s² です")
-            } else {
-                format!("「{}」は重力を除いた加速度です", shorten(column))
+            let why = match norm_m_s2 {
+                Some(norm) => format!("静止時の |a| が約 9.8 ではなく {norm:.3} m/s² です"),
+                None => format!("「{}」は重力を除いた加速度です", shorten(column)),
             };
             format!(
                 "加速度から重力が取り除かれています ({why})。上下は重力から決まります。重力を含む加速度を\

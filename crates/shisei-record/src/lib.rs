@@ -27,6 +27,7 @@ mod settle;
 pub mod sheet;
 pub mod stamp;
 pub mod units;
+mod words;
 pub mod write;
 
 pub use encoding::Encoding;

@@ -1,7 +1,7 @@
 //! Accelerometer and gyroscope files of one recording onto one clock.
 
 use crate::error::{Error, Problem, Result};
-use crate::open::Part;
+use crate::open::{Part, Share};
 use crate::recording::Note;
 use shisei_core::Vec3;
 
@@ -12,7 +12,19 @@ pub(crate) fn merge(mut parts: Vec<Part>) -> Result<Part> {
     }
     let mut acc: Option<Part> = None;
     let mut gyro: Option<Part> = None;
+    let (mut linear, mut gravity): (Option<Part>, Option<Part>) = (None, None);
     for part in parts {
+        match part.share {
+            Share::Total => {}
+            Share::Linear => {
+                linear = Some(part);
+                continue;
+            }
+            Share::Gravity => {
+                gravity = Some(part);
+                continue;
+            }
+        }
         let fail = |quantity| Err(Error::of_file(&part.name, Problem::SameQuantity { quantity }));
         match (part.acc.is_some(), part.gyro.is_some()) {
             (true, true) => return fail("acc, gyr"),
@@ -21,6 +33,15 @@ pub(crate) fn merge(mut parts: Vec<Part>) -> Result<Part> {
             (true, false) => acc = Some(part),
             _ => gyro = Some(part),
         }
+    }
+    match (linear, gravity) {
+        (Some(linear), Some(gravity)) if acc.is_none() => acc = Some(add(linear, &gravity)),
+        (Some(linear), None) if acc.is_none() => {
+            let column = linear.without_gravity.clone().unwrap_or_else(|| linear.name.clone());
+            let problem = Problem::GravityRemoved { column, norm_m_s2: None };
+            return Err(Error::of_file(&linear.name, problem));
+        }
+        _ => {}
     }
     let (acc, mut out) = match (acc, gyro) {
         (Some(acc), Some(gyro)) => (acc, gyro),
@@ -92,9 +113,30 @@ pub(crate) fn merge(mut parts: Vec<Part>) -> Result<Part> {
     out.warnings.extend(acc.warnings);
     out.acc = acc.acc;
     out.reading.acc_unit = acc.reading.acc_unit;
-    out.reading.acc_factor = acc.reading.acc_factor;
     out.without_gravity = acc.without_gravity;
     Ok(out)
+}
+
+/// The whole acceleration from its two shares, on the first one's clock.
+fn add(mut linear: Part, gravity: &Part) -> Part {
+    let shift = match (gravity.origin_ns, linear.origin_ns) {
+        (Some(g), Some(l)) => g.saturating_sub(l) as f64 / 1e9,
+        _ => 0.0,
+    };
+    let time: Vec<f64> = gravity.time_s.iter().map(|t| t + shift).collect();
+    let values = interpolate(&time, &gravity.body.acc, &linear.time_s);
+    for (a, g) in linear.body.acc.iter_mut().zip(values) {
+        *a = [0, 1, 2].map(|i| a[i] + g[i]);
+    }
+    linear.channels.extend(gravity.channels.iter().cloned());
+    linear.assumptions.push(Note::new(
+        "gravity-added",
+        format!("the acceleration is the sum of {} (without gravity) and {}", linear.name, gravity.name),
+        format!("加速度は {} (重力を除いた加速度) と {} の和です", linear.name, gravity.name),
+    ));
+    linear.without_gravity = None;
+    linear.share = Share::Total;
+    linear
 }
 
 /// Keeps the rows in the common time.

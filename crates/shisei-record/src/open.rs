@@ -16,12 +16,26 @@ use std::borrow::Cow;
 /// Unpacked files larger than this are refused.
 pub(crate) const UNPACKED_LIMIT: u64 = 4 << 30;
 
+/// What a part's acceleration is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) enum Share {
+    /// All of it.
+    #[default]
+    Total,
+    /// Without gravity.
+    Linear,
+    /// Gravity alone.
+    Gravity,
+}
+
 /// One file's share of a recording, before units are settled.
 #[derive(Debug, Default)]
 pub(crate) struct Part {
     pub name: String,
     pub dialect: &'static str,
     pub acc: Option<Triple>,
+    /// What `acc` is, where it is not all of the acceleration.
+    pub share: Share,
     pub gyro: Option<Triple>,
     pub reading: Reading,
     pub body: Body,
@@ -64,14 +78,22 @@ pub fn open(inputs: &[Input<'_>], options: &Options) -> Result<Recording> {
     let mut parts = Vec::new();
     for input in inputs {
         let bytes = unpack(input)?;
-        let sheet = sheet::sniff(input.name, &bytes, options)?;
-        parts.push(text_part(&sheet, options, inputs.len() > 1)?);
+        parts.push(part_of(input.name, &bytes, options, inputs.len() > 1)?);
     }
     if parts.is_empty() {
         return Err(Error::of_file("", Problem::Empty));
     }
     let part = merge::merge(parts)?;
     settle::settle(part, options)
+}
+
+/// Reads one file's bytes.
+fn part_of(name: &str, bytes: &[u8], options: &Options, split: bool) -> Result<Part> {
+    if let Some(whole) = dialect::whole_file(bytes) {
+        return (whole.read)(name, bytes, options);
+    }
+    let sheet = sheet::sniff(name, bytes, options)?;
+    text_part(&sheet, options, split)
 }
 
 /// Looks into files: channels and layout in any case, the recording or why there is none.
@@ -87,6 +109,14 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
     };
     for (i, input) in inputs.iter().enumerate() {
         let bytes = unpack(input)?;
+        if let Some(whole) = dialect::whole_file(&bytes) {
+            if i == 0 {
+                out.dialect = whole.id;
+                out.dialect_name = whole.name;
+                whole.layout.clone_into(&mut out.layout);
+            }
+            continue;
+        }
         let sheet = match sheet::sniff(input.name, &bytes, options) {
             Ok(sheet) => sheet,
             Err(error) if inputs.len() == 1 => return Err(error),
@@ -167,8 +197,10 @@ fn read_names(sheet: &Sheet<'_>, options: &Options) -> (dialect::Dialect, Readin
 
 /// Reads one text file.
 fn text_part(sheet: &Sheet<'_>, options: &Options, split: bool) -> Result<Part> {
-    let (dialect, reading) = read_names(sheet, options);
-    let plan = Plan::make(sheet, &reading, options)?;
+    let (dialect, mut reading) = read_names(sheet, options);
+    let mut plan = Plan::make(sheet, &reading, options)?;
+    let channels = plan.channels(sheet, &reading);
+    let share = gravity_shares(&mut plan, &mut reading, split);
     let names = sheet.column_names();
     refuse(sheet.name, &plan, &names, split)?;
     let mut wanted = Wanted {
@@ -177,7 +209,8 @@ fn text_part(sheet: &Sheet<'_>, options: &Options, split: bool) -> Result<Part> 
         lenient_temp: true,
         ..Wanted::default()
     };
-    for (triple, first) in [(&plan.acc, body::ACC), (&plan.gyro, body::GYRO)] {
+    let added = if share == Share::Total { plan.gravity.take() } else { None };
+    for (triple, first) in [(&plan.acc, body::ACC), (&plan.gyro, body::GYRO), (&added, body::GRAVITY)] {
         if let Some(triple) = triple {
             for axis in 0..3 {
                 wanted.slot[first + axis] = Some(triple.columns[axis]);
@@ -190,7 +223,8 @@ fn text_part(sheet: &Sheet<'_>, options: &Options, split: bool) -> Result<Part> 
     let mut part = Part {
         name: sheet.name.to_owned(),
         dialect: dialect.id,
-        channels: plan.channels(sheet, &reading),
+        channels,
+        share,
         keep_names: plan.keep.iter().filter_map(|c| names.get(*c).cloned()).collect(),
         without_gravity: plan.without_gravity.clone(),
         acc: plan.acc,
@@ -205,6 +239,32 @@ fn text_part(sheet: &Sheet<'_>, options: &Options, split: bool) -> Result<Part> 
     Ok(part)
 }
 
+/// Acceleration without gravity beside gravity makes the whole; in files given together each may be alone.
+fn gravity_shares(plan: &mut Plan, reading: &mut Reading, split: bool) -> Share {
+    let whole = plan.acc.is_some();
+    match (plan.linear.take(), plan.gravity.take()) {
+        (Some(linear), Some(gravity)) if !whole && linear.unit == gravity.unit => {
+            plan.acc = Some(linear);
+            plan.gravity = Some(gravity);
+            reading.assumptions.push(Note::new(
+                "gravity-added",
+                "the acceleration is the sum of the columns without gravity and of gravity".into(),
+                "加速度は、重力を除いた加速度の列と重力の列の和です".into(),
+            ));
+            Share::Total
+        }
+        (Some(linear), _) if !whole && split && plan.gyro.is_none() => {
+            plan.acc = Some(linear);
+            Share::Linear
+        }
+        (None, Some(gravity)) if !whole && split && plan.gyro.is_none() => {
+            plan.acc = Some(gravity);
+            Share::Gravity
+        }
+        _ => Share::Total,
+    }
+}
+
 /// Tables that cannot give a recording.
 fn refuse(name: &str, plan: &Plan, names: &[String], split: bool) -> Result<()> {
     let columns = names.to_vec();
@@ -213,7 +273,7 @@ fn refuse(name: &str, plan: &Plan, names: &[String], split: bool) -> Result<()> 
         _ if split && (plan.acc.is_some() || plan.gyro.is_some()) => return Ok(()),
         (None, _) if plan.without_gravity.is_some() => Problem::GravityRemoved {
             column: plan.without_gravity.clone().unwrap_or_default(),
-            norm_m_s2: f64::NAN,
+            norm_m_s2: None,
         },
         (Some(_), None) => Problem::NoGyro { columns },
         (None, Some(_)) => Problem::NoAcc { columns },
@@ -224,18 +284,18 @@ fn refuse(name: &str, plan: &Plan, names: &[String], split: bool) -> Result<()> 
 
 /// How the time column is to be understood.
 #[derive(Clone, Copy, Debug, Default)]
-struct Clock {
-    unit: Option<Unit>,
+pub(crate) struct Clock {
+    pub unit: Option<Unit>,
     /// The column is a running number, not a time.
-    counter: bool,
-    cycle: Cycle2,
+    pub counter: bool,
+    pub cycle: RawCycle,
     /// True for a time since 1970 in text.
-    dated: bool,
+    pub dated: bool,
 }
 
 /// A raw clock's cycle, in raw units or in seconds.
 #[derive(Clone, Copy, Debug, Default)]
-enum Cycle2 {
+pub(crate) enum RawCycle {
     #[default]
     None,
     Raw(f64),
@@ -264,13 +324,13 @@ fn time_columns(
     wanted.time_form = form;
     clock.unit = options.units.time.or(plan.time_unit).or(reading.time_unit);
     if let Some(cycle) = reading.time_cycle {
-        clock.cycle = Cycle2::Raw(cycle);
+        clock.cycle = RawCycle::Raw(cycle);
     }
     if let TimeForm::Text(_) = form {
         clock.unit = Some(SECOND);
         let cell = sheet.sample.iter().filter_map(|r| r.get(column)).find(|c| !c.trim().is_empty());
         let cycle = cell.and_then(|c| stamp::parse(c.trim().as_bytes())).map_or(Cycle::None, |s| s.cycle);
-        clock.cycle = Cycle2::Seconds(cycle.seconds());
+        clock.cycle = RawCycle::Seconds(cycle.seconds());
         clock.dated = cycle == Cycle::None;
     }
     if let Some(coarse) = reading.coarse_time
@@ -283,7 +343,7 @@ fn time_columns(
 }
 
 /// From raw time to seconds.
-fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, options: &Options) -> Result<()> {
+pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, options: &Options) -> Result<()> {
     let mut seconds = std::mem::take(&mut part.body.time);
     let rows = part.body.rows;
     let mut unit = clock.unit;
@@ -334,9 +394,9 @@ fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, options: &Options
         }
     }
     let cycle_s = match clock.cycle {
-        Cycle2::None => 0.0,
-        Cycle2::Raw(raw) => raw * factor,
-        Cycle2::Seconds(seconds) => seconds,
+        RawCycle::None => 0.0,
+        RawCycle::Raw(raw) => raw * factor,
+        RawCycle::Seconds(seconds) => seconds,
     };
     part.origin_ns = origin_of(wanted.time_form, clock, origin, factor);
     settle_cycles(&mut seconds, &part.body.coarse, cycle_s, &mut part.findings);

@@ -25,10 +25,8 @@ pub struct Reading {
     pub time_cycle: Option<f64>,
     /// Column of a coarser time that settles whole cycles of the time column.
     pub coarse_time: Option<usize>,
-    /// Factors from the file's numbers to counts or units (Gyroflow's scales); 1 where none.
-    pub acc_factor: Option<f64>,
-    /// The same for the angular rate.
-    pub gyro_factor: Option<f64>,
+    /// Unit of the angular rate to fall back on where the values do not tell.
+    pub gyro_guess: Option<Unit>,
     /// What was decided.
     pub assumptions: Vec<Note>,
     /// What to know.
@@ -67,17 +65,23 @@ fn one_based_axes(meanings: &mut [Meaning]) {
     }
 }
 
-/// Columns named only x, y, z take their quantity from the file's name.
+/// Columns that name only an axis take their quantity from the file's name; a file named after a part of
+/// the acceleration (linear, gravity) says so for its acceleration.
 fn bare_axes(sheet: &Sheet<'_>, reading: &mut Reading) {
     let stem = sheet.name.rsplit(['/', '\\']).next().unwrap_or(sheet.name);
     let stem = stem.split('.').next().unwrap_or(stem);
     let said = names::meaning(&format!("{stem} x"), "");
-    for m in reading.meanings.iter_mut().filter(|m| m.quantity == Quantity::Axis) {
-        m.quantity = match said.quantity {
-            Quantity::Axis => Quantity::Axis,
-            q => q,
-        };
-        m.grade = said.grade;
+    for m in reading.meanings.iter_mut().filter(|m| !m.named && m.axis.is_some()) {
+        match (m.quantity, said.quantity) {
+            (Quantity::Axis, quantity) => {
+                m.quantity = quantity;
+                m.grade = said.grade;
+            }
+            (Quantity::Acceleration, Quantity::LinearAcceleration | Quantity::Gravity) => {
+                m.quantity = said.quantity;
+            }
+            _ => {}
+        }
     }
 }
 
@@ -135,6 +139,10 @@ pub(crate) struct Plan {
     pub keep: Vec<usize>,
     /// Name of a column that is acceleration without gravity, where no other acceleration is there.
     pub without_gravity: Option<String>,
+    /// Acceleration without gravity and the gravity alone: their sum is the acceleration.
+    pub linear: Option<Triple>,
+    /// See `linear`.
+    pub gravity: Option<Triple>,
 }
 
 impl Plan {
@@ -152,12 +160,13 @@ impl Plan {
         let gyro = triples(reading, Quantity::AngularRate, given_axes(&given, 4).is_none());
         choose_sensors(sheet, &mut plan, acc, gyro, options)?;
         if plan.acc.is_none() {
-            let linear = [Quantity::LinearAcceleration, Quantity::Gravity];
             plan.without_gravity = reading
                 .meanings
                 .iter()
-                .position(|m| m.quantity == linear[0] && m.axis.is_some())
+                .position(|m| m.quantity == Quantity::LinearAcceleration && m.axis.is_some())
                 .and_then(|i| names.get(i).cloned());
+            plan.linear = triples(reading, Quantity::LinearAcceleration, true).into_iter().next();
+            plan.gravity = triples(reading, Quantity::Gravity, true).into_iter().next();
         }
         apply_given(&mut plan, reading, &given);
         if plan.acc.is_none() || plan.gyro.is_none() {
@@ -173,12 +182,20 @@ impl Plan {
 
     /// The sheet's columns and what they are taken for.
     pub fn channels(&self, sheet: &Sheet<'_>, reading: &Reading) -> Vec<Channel> {
+        let summed = self.acc.is_none() && self.linear.is_some() && self.gravity.is_some();
         let role = |column: usize| -> Option<String> {
             if self.time == Some(column) {
                 return Some("time_s".into());
             }
             for (triple, prefix) in [(&self.acc, "acc"), (&self.gyro, "gyr")] {
                 if let Some(axis) = triple.as_ref().and_then(|t| t.columns.iter().position(|c| *c == column))
+                {
+                    return Some(format!("{prefix}_{}", ["x", "y", "z"][axis]));
+                }
+            }
+            for (triple, prefix) in [(&self.linear, "acc"), (&self.gravity, "acc")] {
+                if let Some(axis) = triple.as_ref().and_then(|t| t.columns.iter().position(|c| *c == column))
+                    && summed
                 {
                     return Some(format!("{prefix}_{}", ["x", "y", "z"][axis]));
                 }
@@ -461,7 +478,7 @@ fn check_partial(sheet: &Sheet<'_>, reading: &Reading, plan: &Plan, names: &[Str
     }
     let problem = Problem::MissingColumn { missing, columns: names.to_vec() };
     let line = (sheet.data_line > 1 && !sheet.header.is_empty()).then(|| sheet.data_line - 1);
-    Err(Error { problem, place: Place { file: sheet.name.to_owned(), line, column: None } })
+    Err(Error::at(problem, Place { file: sheet.name.to_owned(), line, column: None }))
 }
 
 fn kept(names: &[String], keep: &[String], sheet: &Sheet<'_>) -> Result<Vec<usize>> {

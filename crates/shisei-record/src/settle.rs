@@ -27,7 +27,11 @@ pub(crate) fn settle(part: Part, options: &Options) -> Result<Recording> {
         ..Recording::default()
     };
     out.assumptions.extend(part.assumptions.iter().cloned());
-    out.warnings.extend(part.warnings.iter().cloned());
+    // Advice about axes is spent once axes are given.
+    let advice = ["axes-z-down", "apple-sign", "orientation-not-applied"];
+    out.warnings.extend(
+        part.warnings.iter().filter(|w| options.axes.is_none() || !advice.contains(&w.code)).cloned(),
+    );
     let mut acc_values = part.body.acc;
     let mut gyro_values = part.body.gyro;
     let window = (out.findings.rate_hz.clamp(4.0, 10_000.0)).round() as usize;
@@ -51,7 +55,6 @@ pub(crate) fn settle(part: Part, options: &Options) -> Result<Recording> {
         }
         _ => infer_acc(&mut out, raw_rest.norm, whole).map_err(fail)?,
     };
-    let acc_factor = acc_factor.map(|f| f * part.reading.acc_factor.unwrap_or(1.0));
     // Angular rate.
     let gyro_unit = options.units.gyro.or(gyro.unit).or(part.reading.gyro_unit);
     let gyro_factor = match (options.scale.and_then(|s| s.gyro_counts_per_deg_s), gyro_unit) {
@@ -68,9 +71,16 @@ pub(crate) fn settle(part: Part, options: &Options) -> Result<Recording> {
             Some(factor)
         }
         _ if acc_factor.is_none() || (whole && options.scale.is_some()) => None,
-        _ => infer_gyro(&mut out, &acc_values, &gyro_values, &part.dt_s, window, acc_factor),
+        _ => infer_gyro(
+            &mut out,
+            &acc_values,
+            &gyro_values,
+            &part.dt_s,
+            window,
+            acc_factor,
+            part.reading.gyro_guess,
+        ),
     };
-    let gyro_factor = gyro_factor.map(|f| f * part.reading.gyro_factor.unwrap_or(1.0));
     match (acc_factor, gyro_factor) {
         (Some(a), Some(g)) => {
             scale(&mut acc_values, a);
@@ -159,7 +169,7 @@ fn infer_acc(out: &mut Recording, rest_norm: f64, whole: bool) -> std::result::R
         Level::MilliG => units::MILLI_G,
         Level::Counts => return Ok(None),
         Level::NoGravity => {
-            return Err(Problem::GravityRemoved { column: String::new(), norm_m_s2: rest_norm });
+            return Err(Problem::GravityRemoved { column: String::new(), norm_m_s2: Some(rest_norm) });
         }
         Level::Unclear => return Err(Problem::UnitUnclear { norm: rest_norm }),
     };
@@ -182,6 +192,7 @@ fn infer_gyro(
     dt_s: &[f64],
     window: usize,
     acc_factor: Option<f64>,
+    guess: Option<Unit>,
 ) -> Option<f64> {
     let gravity = G / acc_factor.unwrap_or(1.0);
     let agreement = Agreement::measure(acc, gyro, dt_s, (window / 8).max(1), gravity);
@@ -196,7 +207,9 @@ fn infer_gyro(
         (units::DEG_S, "its largest value is too large for rad/s", "最大値が rad/s としては大きすぎるため")
     } else {
         let still = judge::rest(gyro, &[], window);
-        if still.norm > 0.4 {
+        if let Some(guess) = guess {
+            (guess, "as this kind of file has it", "この形式の仕様のため")
+        } else if still.norm > 0.4 {
             (
                 units::DEG_S,
                 "its value at rest is too large for rad/s",
@@ -269,7 +282,7 @@ fn judge_values(out: &mut Recording, window: usize, file: &str, options: &Option
         return Ok(());
     }
     if rest.norm < 2.0 && options.scale.is_none() && options.units.acc.is_none() {
-        let problem = Problem::GravityRemoved { column: String::new(), norm_m_s2: rest.norm };
+        let problem = Problem::GravityRemoved { column: String::new(), norm_m_s2: Some(rest.norm) };
         return Err(Error::of_file(file, problem));
     }
     if !(7.0..=12.5).contains(&rest.norm) {
@@ -292,7 +305,7 @@ fn judge_values(out: &mut Recording, window: usize, file: &str, options: &Option
 }
 
 fn axes_notes(out: &mut Recording, rest: &judge::Rest, window: usize) {
-    if judge::z_down(rest) {
+    if judge::z_down(rest) && !out.warnings.iter().any(|w| w.code == "axes-z-down") {
         out.warn(
             "z-down",
             format!(

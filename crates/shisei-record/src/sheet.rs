@@ -220,7 +220,7 @@ fn head_lines<'t>(text: &'t [u8], name: &str) -> Result<Vec<(&'t [u8], usize)>> 
             let problem =
                 if is_binary(text) { Problem::NotText } else { Problem::LineTooLong { limit: LINE_LIMIT } };
             let place = Place { file: name.to_owned(), line: Some(lines.len() + 1), column: None };
-            return Err(Error { problem, place });
+            return Err(Error::at(problem, place));
         }
         let Some((line, next)) = line_at(text, at) else { break };
         lines.push((line, at));

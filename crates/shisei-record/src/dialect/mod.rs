@@ -3,15 +3,36 @@
 //! A dialect is recognised by what the sheet looks like and mends the generic reading of its names: units
 //! that are not written, clocks that wrap, columns whose name misleads. To add one: write
 //! `dialect/NAME.rs` with a `pub const DIALECT: Dialect`, list it in [`ALL`], and put a small sample into
-//! `fixtures/dialects/`.
+//! `fixtures/dialects/`. A file that is no table at all (hexadecimal words, binary) is a [`WholeFile`].
 
+use crate::error::Result;
+use crate::open::Part;
+use crate::options::Options;
 use crate::plan::Reading;
 use crate::sheet::Sheet;
 
+mod android_ms;
+mod apdm;
+mod canonical;
+mod euroc;
+mod gaitmap;
+mod gyroflow;
 mod headerless;
+mod metawear;
+mod microstrain;
 mod mu01;
+mod noraxon;
+mod phyphox;
+mod ros;
+mod sensor_logger;
+mod sensorlog_apple;
+mod shimmer;
+mod spresense;
+mod xio;
+mod xsens_dot;
+mod xsens_mt;
 
-/// A kind of file.
+/// A kind of table.
 #[derive(Clone, Copy)]
 pub struct Dialect {
     /// Stable id, for `--dialect` and `info --json`.
@@ -30,27 +51,51 @@ impl std::fmt::Debug for Dialect {
     }
 }
 
+/// A kind of file that is read whole.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct WholeFile {
+    /// Stable id.
+    pub id: &'static str,
+    /// Name for people.
+    pub name: &'static str,
+    /// How it is laid out, for people.
+    pub layout: &'static str,
+    /// True when the bytes are of this kind.
+    pub recognises: fn(&[u8]) -> bool,
+    /// Reads it.
+    pub read: fn(&str, &[u8], &Options) -> Result<Part>,
+}
+
 /// A table whose header or units say what it is.
-pub const GENERIC: Dialect = Dialect {
-    id: "generic",
-    name: "a table with a header",
-    recognises: |s| !s.header.is_empty(),
-    mend: |_, _| {},
-};
+pub const GENERIC: Dialect =
+    Dialect { id: "generic", name: "a table with a header", recognises: |_| true, mend: |_, _| {} };
 
-/// Our own columns.
-pub const CANONICAL: Dialect = Dialect {
-    id: "shisei",
-    name: "shisei's columns",
-    recognises: |s| s.has_column("time_s") && s.has_column("acc_x") && s.has_column("gyr_z"),
-    mend: |_, reading| {
-        reading.acc_unit = Some(crate::units::M_S2);
-        reading.gyro_unit = Some(crate::units::RAD_S);
-    },
-};
+/// All dialects of tables; the first that recognises a sheet wins.
+pub const ALL: &[Dialect] = &[
+    canonical::DIALECT,
+    mu01::DIALECT,
+    gyroflow::DIALECT,
+    xsens_dot::DIALECT,
+    xsens_mt::DIALECT,
+    apdm::DIALECT,
+    shimmer::DIALECT,
+    sensor_logger::DIALECT,
+    sensorlog_apple::DIALECT,
+    metawear::DIALECT,
+    noraxon::DIALECT,
+    euroc::DIALECT,
+    microstrain::DIALECT,
+    ros::DIALECT,
+    xio::DIALECT,
+    phyphox::DIALECT,
+    android_ms::DIALECT,
+    gaitmap::DIALECT,
+    headerless::DIALECT,
+    GENERIC,
+];
 
-/// All dialects, the first that recognises a sheet wins.
-pub const ALL: &[Dialect] = &[CANONICAL, mu01::DIALECT, headerless::DIALECT, GENERIC];
+/// All dialects of whole files.
+const WHOLE: &[WholeFile] = &[spresense::DIALECT];
 
 /// The dialect of a sheet.
 pub(crate) fn of(sheet: &Sheet<'_>, asked: Option<&str>) -> Dialect {
@@ -58,4 +103,21 @@ pub(crate) fn of(sheet: &Sheet<'_>, asked: Option<&str>) -> Dialect {
         return *dialect;
     }
     ALL.iter().copied().find(|d| (d.recognises)(sheet)).unwrap_or(GENERIC)
+}
+
+/// The kind of a file that is no table.
+pub(crate) fn whole_file(bytes: &[u8]) -> Option<&'static WholeFile> {
+    WHOLE.iter().find(|d| (d.recognises)(bytes))
+}
+
+/// True when a column's name holds `part`, case aside.
+fn names_with(sheet: &Sheet<'_>, part: &str) -> bool {
+    let part = part.to_lowercase();
+    sheet.header.iter().any(|h| h.to_lowercase().contains(&part))
+}
+
+/// True when a line before the header holds `part`, case aside.
+fn preamble_with(sheet: &Sheet<'_>, part: &str) -> bool {
+    let part = part.to_lowercase();
+    sheet.preamble.iter().any(|l| l.to_lowercase().contains(&part))
 }

@@ -1,0 +1,28 @@
+//! Android loggers with a date to the second and a column of milliseconds: `Timestamp,Milliseconds,X,Y,Z`.
+//!
+//! The two roll over apart (28:54,201 → 28:55,250), and the milliseconds either count on or start again
+//! every second: they are the clock, and the date settles whole seconds that passed in a pause.
+
+use super::{Dialect, names_with};
+use crate::names::Quantity;
+use crate::units::MILLISECOND;
+
+/// The dialect.
+pub const DIALECT: Dialect = Dialect {
+    id: "android-ms",
+    name: "Android logger with date and milliseconds",
+    recognises: |s| {
+        s.has_column("Milliseconds")
+            && (names_with(s, "timestamp") || s.has_column("date") || s.has_column("time"))
+    },
+    mend: |sheet, reading| {
+        let of = |name: &str| sheet.header.iter().position(|h| h.trim().eq_ignore_ascii_case(name));
+        let Some(ms) = of("Milliseconds") else { return };
+        if let Some(m) = reading.meanings.get_mut(ms) {
+            m.quantity = Quantity::Time;
+            m.unit = Some(MILLISECOND);
+        }
+        reading.time_cycle = Some(1000.0);
+        reading.coarse_time = of("Timestamp").or_else(|| of("Time")).or_else(|| of("Date"));
+    },
+};
