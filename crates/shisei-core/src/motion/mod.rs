@@ -1,4 +1,4 @@
-//! From acceleration to velocity and position.
+//! From acceleration to velocity and position, with an error band.
 
 mod dead_reckoning;
 
@@ -9,3 +9,5 @@ pub mod error_state;
 pub mod navigation;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;
+
+pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};
