@@ -1,9 +1,6 @@
 //! From acceleration to velocity and position, with an error band.
 
 mod dead_reckoning;
-
-pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};
-
 pub mod error_state;
 #[cfg(feature = "alloc")]
 pub mod navigation;
