@@ -12,8 +12,9 @@
 use alloc::vec::Vec;
 
 use crate::error::{Error, Result};
-use crate::least_squares::{Normal, cholesky, cholesky_solve, inverse_spd};
+use crate::least_squares::{Normal, inverse_spd};
 use crate::math;
+use crate::matrix::{cholesky, cholesky_solve};
 use crate::statistics::{ONE_SIGMA, deviation_interval};
 
 /// 2 ln 2 / π: the flat part of the Allan variance is this times B².

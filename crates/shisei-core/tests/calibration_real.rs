@@ -2,7 +2,7 @@
 
 mod support;
 
-use shisei_core::calibration::affine::Affine;
+use shisei_core::calibration::SensorModel;
 use shisei_core::calibration::gyro_turns::{self, TurnSettings};
 use shisei_core::calibration::known_turns::{self, Part, Parts, TurnAngle};
 use shisei_core::calibration::recording::calibrate_poses;
@@ -111,7 +111,7 @@ fn imucal_six_faces_and_three_turns() {
     }
     // with the size only, the turns' direction comes from the reading: the same, unreversed
     let plain = known_turns::calibrate(&parts, 1.0 / 204.8, TurnAngle::Size(core::f64::consts::TAU), 9.81);
-    let plain: Affine = plain.unwrap().gyroscope;
+    let plain: SensorModel = plain.unwrap().gyroscope;
     for i in 0..3 {
         assert!(plain.matrix[i][i] > 0.0);
         assert!((plain.matrix[i][i] + found.gyroscope.matrix[i][i]).abs() < 1e-9);

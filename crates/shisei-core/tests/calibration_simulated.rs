@@ -4,14 +4,14 @@
 
 mod support;
 
-use shisei_core::calibration::affine::Affine;
+use shisei_core::calibration::SensorModel;
 use shisei_core::calibration::gyro_turns::{self, TurnSettings};
 use shisei_core::calibration::multi_pose::{self, PARAMETERS, Pose, SigmaSource};
 use shisei_core::calibration::still::StillSegment;
 use shisei_core::{Error, Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3};
 use support::Random;
 
-const TRUTH: Affine = Affine {
+const TRUTH: SensorModel = SensorModel {
     bias: [0.2, -0.15, 0.3],
     matrix: [[1.01, 0.004, -0.006], [0.0, 0.99, 0.003], [0.0, 0.0, 1.005]],
 };
@@ -33,7 +33,7 @@ fn truth() -> [f64; PARAMETERS] {
     [b[0], b[1], b[2], m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]]
 }
 
-fn parameters(a: &Affine) -> [f64; PARAMETERS] {
+fn parameters(a: &SensorModel) -> [f64; PARAMETERS] {
     let (m, b) = (a.matrix, a.bias);
     [b[0], b[1], b[2], m[0][0], m[0][1], m[0][2], m[1][1], m[1][2], m[2][2]]
 }
@@ -98,7 +98,12 @@ fn poses_that_do_not_suffice_are_refused() {
 }
 
 /// Rests and turns: raw gyro rows and segments, noise of the raw gyro in rad/s.
-fn turns(random: &mut Random, truth: &Affine, count: usize, noise: f64) -> (Vec<Vec3>, Vec<StillSegment>) {
+fn turns(
+    random: &mut Random,
+    truth: &SensorModel,
+    count: usize,
+    noise: f64,
+) -> (Vec<Vec3>, Vec<StillSegment>) {
     let dt = 0.01;
     let mut q = Quaternion::IDENTITY;
     let (mut gyro, mut segments) = (Vec::new(), Vec::new());
@@ -133,7 +138,7 @@ fn gyroscope_from_turns_with_right_errors() {
     let mut random = Random(11);
     let degree = core::f64::consts::PI / 180.0;
     for unit in [1.0, degree / 131.0] {
-        let truth = Affine {
+        let truth = SensorModel {
             bias: [0.01 / unit, -0.02 / unit, 0.03 / unit],
             matrix: [[1.02, 0.01, -0.004], [-0.006, 0.985, 0.003], [0.008, -0.002, 1.01]]
                 .map(|r| r.map(|v| v * unit)),
@@ -141,9 +146,14 @@ fn gyroscope_from_turns_with_right_errors() {
         let (mut inside, mut total) = (0.0, 0.0);
         for _ in 0..60 {
             let (gyro, segments) = turns(&mut random, &truth, 20, 0.002 / unit);
-            let found =
-                gyro_turns::calibrate(&gyro, 0.01, &segments, &Affine::IDENTITY, &TurnSettings::default())
-                    .unwrap();
+            let found = gyro_turns::calibrate(
+                &gyro,
+                0.01,
+                &segments,
+                &SensorModel::IDENTITY,
+                &TurnSettings::default(),
+            )
+            .unwrap();
             for i in 0..9 {
                 let error = found.gyroscope.matrix[i / 3][i % 3] - truth.matrix[i / 3][i % 3];
                 assert!(error.abs() < 0.005 * unit);

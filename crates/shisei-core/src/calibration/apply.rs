@@ -41,6 +41,13 @@ impl SensorModel {
         [vector::dot(m[0], d), vector::dot(m[1], d), vector::dot(m[2], d)]
     }
 
+    /// The raw reading that `apply` turns into `corrected`; refused ([`Error::Degenerate`]) when the matrix has no
+    /// inverse.
+    pub fn unapply(&self, corrected: Vec3) -> Result<Vec3> {
+        let inverse = crate::matrix::inverse(&self.matrix)?;
+        Ok(vector::add(crate::matrix::times_vector(&inverse, &corrected), self.bias))
+    }
+
     /// Refused unless every number is finite.
     pub fn check(&self) -> Result<()> {
         check_rows(&[self.bias], 0)?;

@@ -8,11 +8,12 @@
 
 use alloc::vec::Vec;
 
-use crate::calibration::affine::Affine;
+use crate::calibration::SensorModel;
 use crate::calibration::still::StillSegment;
 use crate::error::{Error, Result};
-use crate::least_squares::{Fit, Normal, Square, levenberg_marquardt};
+use crate::least_squares::{Fit, Normal, levenberg_marquardt};
 use crate::math;
+use crate::matrix::Square;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
@@ -42,7 +43,7 @@ impl Default for TurnSettings {
 #[derive(Clone, Debug)]
 pub struct GyroTurns {
     /// The calibration; the bias is the mean over all rests.
-    pub gyroscope: Affine,
+    pub gyroscope: SensorModel,
     /// Standard error of the bias, raw unit: the scatter of the rests' means over √ of their number.
     pub bias_sigma: Vec3,
     /// Standard errors in the order of [`PARAMETER_NAMES`].
@@ -141,7 +142,7 @@ pub fn calibrate(
     gyro: &[Vec3],
     dt_s: f64,
     segments: &[StillSegment],
-    accelerometer: &Affine,
+    accelerometer: &SensorModel,
     settings: &TurnSettings,
 ) -> Result<GyroTurns> {
     if !(dt_s > 0.0 && dt_s.is_finite()) {
@@ -205,7 +206,7 @@ pub fn calibrate(
     }
     let (bias, bias_sigma) = bias_of(segments);
     Ok(GyroTurns {
-        gyroscope: Affine { bias, matrix },
+        gyroscope: SensorModel { bias, matrix },
         bias_sigma,
         sigma,
         covariance,

@@ -6,10 +6,10 @@
 //! `S = (Ū₊ − Ū₋) / 2g`, bias `= diag(Ū₊ + Ū₋)/2`, matrix `= S⁻¹`; with w the offset-corrected integral of a turn
 //! of angle φ, `S_g = [w_x w_y w_z] / φ`, matrix `= S_g⁻¹`.
 
-use crate::calibration::affine::Affine;
+use crate::calibration::SensorModel;
 use crate::calibration::still::moments;
 use crate::error::{Error, Result};
-use crate::least_squares::{Square, inverse3};
+use crate::matrix::{Square, inverse};
 use crate::vector::{self, Vec3};
 
 /// Rows of one part of the procedure: accelerometer and gyroscope, raw.
@@ -45,9 +45,9 @@ pub enum TurnAngle {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct KnownTurns {
     /// Accelerometer, to m/s².
-    pub accelerometer: Affine,
+    pub accelerometer: SensorModel,
     /// Gyroscope, to rad/s.
-    pub gyroscope: Affine,
+    pub gyroscope: SensorModel,
     /// Raw gyro reading per m/s² (column: axis of the acceleration). `corrected = matrix · (raw − bias − K a)`.
     pub gyro_per_acceleration: Square<3>,
     /// Standard error of the accelerometer's bias from the noise of the means, raw unit.
@@ -97,7 +97,7 @@ pub fn calibrate(parts: &Parts<'_>, dt_s: f64, angle: TurnAngle, gravity_m_s2: f
         acc_bias[axis] = 0.5 * (up[axis] + down[axis]);
         acc_bias_sigma[axis] = 0.5 * crate::math::sqrt(up_variance[axis] / n + down_variance[axis] / m);
     }
-    let accelerometer = Affine { bias: acc_bias, matrix: inverse3(&acc_s)? };
+    let accelerometer = SensorModel { bias: acc_bias, matrix: inverse(&acc_s)? };
     let gyro_bias = vector::scale(gyro_sum, 1.0 / rows);
     let mut gyro_bias_sigma = [0.0; 3];
     for i in 0..3 {
@@ -133,6 +133,6 @@ pub fn calibrate(parts: &Parts<'_>, dt_s: f64, angle: TurnAngle, gravity_m_s2: f
             gyro_s[i][axis] = w[i] / phi;
         }
     }
-    let gyroscope = Affine { bias: gyro_bias, matrix: inverse3(&gyro_s)? };
+    let gyroscope = SensorModel { bias: gyro_bias, matrix: inverse(&gyro_s)? };
     Ok(KnownTurns { accelerometer, gyroscope, gyro_per_acceleration, acc_bias_sigma, gyro_bias_sigma })
 }

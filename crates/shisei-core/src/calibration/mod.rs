@@ -3,17 +3,6 @@
 mod apply;
 mod fit;
 #[cfg(feature = "alloc")]
-mod search;
-mod six_face;
-
-pub use apply::{Calibration, SensorModel};
-#[cfg(feature = "alloc")]
-pub use search::search_faces;
-#[cfg(feature = "alloc")]
-pub use six_face::six_face;
-pub use six_face::{FaceRow, FaceState, FaceTable, FaceWindow, SixFace, SixFaceSettings, solve};
-pub mod affine;
-#[cfg(feature = "alloc")]
 pub mod gyro_turns;
 #[cfg(feature = "alloc")]
 pub mod known_turns;
@@ -22,4 +11,14 @@ pub mod multi_pose;
 #[cfg(feature = "alloc")]
 pub mod recording;
 #[cfg(feature = "alloc")]
+mod search;
+mod six_face;
+#[cfg(feature = "alloc")]
 pub mod still;
+
+pub use apply::{Calibration, SensorModel};
+#[cfg(feature = "alloc")]
+pub use search::search_faces;
+#[cfg(feature = "alloc")]
+pub use six_face::six_face;
+pub use six_face::{FaceRow, FaceState, FaceTable, FaceWindow, SixFace, SixFaceSettings, solve};

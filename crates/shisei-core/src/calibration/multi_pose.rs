@@ -7,10 +7,11 @@
 
 use alloc::vec::Vec;
 
-use crate::calibration::affine::Affine;
+use crate::calibration::SensorModel;
 use crate::error::{Error, Result};
-use crate::least_squares::{Fit, Normal, Square, levenberg_marquardt, quadratic_form};
+use crate::least_squares::{Fit, Normal, levenberg_marquardt, quadratic_form};
 use crate::math;
+use crate::matrix::Square;
 use crate::vector::{self, Vec3};
 
 /// Parameters: bias x, y, z (raw unit), then the upper triangle m00, m01, m02, m11, m12, m22.
@@ -64,7 +65,7 @@ pub struct SuggestedPose {
 #[derive(Clone, Debug)]
 pub struct MultiPose {
     /// The calibration.
-    pub accelerometer: Affine,
+    pub accelerometer: SensorModel,
     /// Standard errors in the order of [`PARAMETER_NAMES`].
     pub sigma: [f64; PARAMETERS],
     /// Covariance in the same order.
@@ -86,12 +87,15 @@ pub struct MultiPose {
     pub gravity_m_s2: f64,
 }
 
-fn unpack(p: &[f64; PARAMETERS]) -> Affine {
-    Affine { bias: [p[0], p[1], p[2]], matrix: [[p[3], p[4], p[5]], [0.0, p[6], p[7]], [0.0, 0.0, p[8]]] }
+fn unpack(p: &[f64; PARAMETERS]) -> SensorModel {
+    SensorModel {
+        bias: [p[0], p[1], p[2]],
+        matrix: [[p[3], p[4], p[5]], [0.0, p[6], p[7]], [0.0, 0.0, p[8]]],
+    }
 }
 
 /// Derivatives of |M (a − b)| with respect to the nine parameters, and the corrected vector's norm.
-fn derivatives(affine: &Affine, raw: Vec3) -> ([f64; PARAMETERS], f64) {
+fn derivatives(affine: &SensorModel, raw: Vec3) -> ([f64; PARAMETERS], f64) {
     let d = vector::sub(raw, affine.bias);
     let c = affine.apply(raw);
     let n = vector::norm(c);

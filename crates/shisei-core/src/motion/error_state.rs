@@ -66,24 +66,13 @@ impl Step {
         let theta = [x[ATTITUDE], x[ATTITUDE + 1], x[ATTITUDE + 2]];
         let acc_world = rotate(r, self.acc_body);
         let turned = vector::cross(theta, acc_world);
-        let acc = rotate(r, self.channel(x, ACC_BIAS, ACC_MATRIX, self.acc_body));
-        let rate = rotate(r, self.channel(x, GYRO_BIAS, GYRO_MATRIX, self.rate_body));
+        let acc = rotate(r, channel(x, ACC_BIAS, ACC_MATRIX, self.acc_body));
+        let rate = rotate(r, channel(x, GYRO_BIAS, GYRO_MATRIX, self.rate_body));
         for i in 0..3 {
             x[POSITION + i] += x[VELOCITY + i] * dt;
             x[VELOCITY + i] += (turned[i] + acc[i]) * dt;
             x[ATTITUDE + i] += rate[i] * dt;
         }
-    }
-
-    /// δM s − δb of one sensor, body.
-    #[inline]
-    fn channel(&self, x: &State, bias: usize, matrix: usize, s: Vec3) -> Vec3 {
-        let mut d = [0.0; 3];
-        for i in 0..3 {
-            let m = matrix + 3 * i;
-            d[i] = x[m] * s[0] + x[m + 1] * s[1] + x[m + 2] * s[2] - x[bias + i];
-        }
-        d
     }
 
     /// Φᵀ x in place.
@@ -107,6 +96,17 @@ impl Step {
             }
         }
     }
+}
+
+/// δM s − δb of one sensor, body.
+#[inline]
+fn channel(x: &State, bias: usize, matrix: usize, s: Vec3) -> Vec3 {
+    let mut d = [0.0; 3];
+    for i in 0..3 {
+        let m = matrix + 3 * i;
+        d[i] = x[m] * s[0] + x[m + 1] * s[1] + x[m + 2] * s[2] - x[bias + i];
+    }
+    d
 }
 
 #[inline]

@@ -1,11 +1,10 @@
-//! From acceleration to velocity and position.
+//! From acceleration to velocity and position, with an error band.
 
 mod dead_reckoning;
-
-pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};
-
 pub mod error_state;
 #[cfg(feature = "alloc")]
 pub mod navigation;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;
+
+pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};

@@ -6,6 +6,7 @@
 //! the velocity is measured as zero with some tolerance.
 
 use alloc::vec::Vec;
+use core::ops::Range;
 
 use crate::error::{Error, Result};
 use crate::filter::Dt;
@@ -79,8 +80,13 @@ pub struct NavigationSettings {
     pub errors: SensorErrors,
     /// Standard deviation of the velocity in a stance, m/s; default 0.02.
     pub stance_velocity_m_s: f64,
-    /// Standard deviation of the velocity at rest, m/s; default 0.0002.
+    /// Standard deviation of the velocity at rest, m/s; default 0.00045.
     pub rest_velocity_m_s: f64,
+    /// A rest at which the predicted velocity is further from zero than this squared Mahalanobis distance, and
+    /// which is shorter than `doubtful_rest_s`, is taken for steady motion, not for a rest; default 30.
+    pub doubtful_distance: f64,
+    /// A rest of at least this length is always believed, s; default 2. So is one that ends the recording.
+    pub doubtful_rest_s: f64,
     /// Where the last row is, world, m, and how well that is known, m.
     pub end: Option<(Vec3, f64)>,
 }
@@ -91,7 +97,9 @@ impl Default for NavigationSettings {
             gravity_m_s2: crate::STANDARD_GRAVITY_M_S2,
             errors: SensorErrors::default(),
             stance_velocity_m_s: 0.02,
-            rest_velocity_m_s: 0.0002,
+            rest_velocity_m_s: 0.00045,
+            doubtful_distance: 30.0,
+            doubtful_rest_s: 2.0,
             end: None,
         }
     }
@@ -162,12 +170,24 @@ pub fn navigate(
     let Some(first) = phases.iter().position(|p| *p == Phase::Rest) else {
         return Err(Error::NoRest { needed_s: REST_BLOCK_S });
     };
-    let mut run = Run::new(acc_m_s2, gyro_rad_s, dt, phases, first, settings);
-    for row in first..n {
-        run.row(row);
+    let mut phases = phases.to_vec();
+    // each turn of the loop takes one rest away, or is the last
+    loop {
+        let mut run = Run::new(acc_m_s2, gyro_rad_s, dt, &phases, first, settings);
+        for row in first..n {
+            run.row(row);
+            if run.contradicted.is_some() {
+                break;
+            }
+        }
+        if let Some(rest) = run.contradicted {
+            phases = run.phases;
+            phases.get_mut(rest).unwrap_or(&mut []).fill(Phase::Moving);
+            continue;
+        }
+        run.finish();
+        return Ok(run.track);
     }
-    run.finish();
-    Ok(run.track)
 }
 
 /// The longest stretch of [`Phase::Moving`], s, counted from the first rest.
@@ -192,7 +212,7 @@ struct Run<'a> {
     acc: &'a [Vec3],
     gyro: &'a [Vec3],
     dt: Dt<'a>,
-    phases: &'a [Phase],
+    phases: Vec<Phase>,
     updates_at: Vec<bool>,
     settings: &'a NavigationSettings,
     noise: ProcessNoise,
@@ -212,6 +232,10 @@ struct Run<'a> {
     stores: usize,
     /// First row of the first rest.
     first: usize,
+    /// The last rest, where it was too short to be believed against a later one.
+    short_rest: Option<Range<usize>>,
+    /// A short rest that a later, sure one contradicts.
+    contradicted: Option<Range<usize>>,
     /// First row not yet smoothed.
     chunk_start: usize,
     track: Track,
@@ -289,8 +313,8 @@ impl<'a> Run<'a> {
             velocity_m_s: alloc::vec![[0.0; 3]; n],
             position_m: alloc::vec![[0.0; 3]; n],
             sigma_position_m: alloc::vec![[0.0; 3]; n],
-            phases: phases.to_vec(),
-            longest_without_rest_s: longest_without_rest_s(phases, dt),
+            phases: Vec::new(),
+            longest_without_rest_s: 0.0,
             gyro_bias_rad_s: [0.0; 3],
             acc_bias_m_s2: [0.0; 3],
         };
@@ -298,7 +322,7 @@ impl<'a> Run<'a> {
             acc,
             gyro,
             dt,
-            phases,
+            phases: phases.to_vec(),
             updates_at: update_rows(phases, dt, first),
             settings,
             noise,
@@ -317,6 +341,8 @@ impl<'a> Run<'a> {
             events: Vec::new(),
             stores: 0,
             first,
+            short_rest: None,
+            contradicted: None,
             chunk_start: first,
             track,
         }
@@ -331,10 +357,28 @@ impl<'a> Run<'a> {
     }
 
     fn row(&mut self, row: usize) {
-        let resting = self.phases[row] == Phase::Rest;
+        let mut resting = self.phases[row] == Phase::Rest;
         let came_from_rest = row > self.first && self.phases[row - 1] == Phase::Rest;
         if row > self.first && !(resting && came_from_rest) {
             self.step(row);
+        }
+        if resting && !came_from_rest && row > self.first {
+            let end = (row..self.phases.len()).find(|k| self.phases[*k] != Phase::Rest);
+            let rest = row..end.unwrap_or(self.phases.len());
+            let length: f64 = rest.clone().map(|k| self.dt.at(k)).sum();
+            let sure = end.is_none() || length >= self.settings.doubtful_rest_s;
+            let doubtful = self.velocity_distance() > self.settings.doubtful_distance;
+            if doubtful && !sure {
+                resting = false;
+                self.phases[rest.clone()].fill(Phase::Moving);
+                self.updates_at[rest].fill(false);
+            } else {
+                if doubtful && self.short_rest.is_some() {
+                    self.contradicted = self.short_rest.take();
+                    return;
+                }
+                self.short_rest = (!sure).then_some(rest);
+            }
         }
         if resting {
             if !came_from_rest {
@@ -381,6 +425,20 @@ impl<'a> Run<'a> {
         if self.stores > CHUNK && resting {
             self.smooth_back(row);
         }
+    }
+
+    /// How far the velocity is from zero: its squared Mahalanobis distance.
+    fn velocity_distance(&self) -> f64 {
+        // a rest may begin a little before the last sway is over: 2 mm/s
+        let mut s = [[0.0; 3]; 3];
+        for i in 0..3 {
+            for j in 0..3 {
+                s[i][j] = self.p[VELOCITY + i][VELOCITY + j];
+            }
+            s[i][i] += 4e-6;
+        }
+        let Ok(inverse) = crate::matrix::inverse(&s) else { return 0.0 };
+        vector::dot(self.velocity, crate::matrix::times_vector(&inverse, &self.velocity))
     }
 
     /// From row − 1 to row.
@@ -528,9 +586,10 @@ impl<'a> Run<'a> {
     }
 
     fn correct(&mut self, row: usize, c: &[f64; 9], sigma: Vec3) {
+        let resting = self.phases[row] == Phase::Rest;
         let t = &mut self.track;
         t.position_m[row] = vector::add(t.position_m[row], [c[0], c[1], c[2]]);
-        if t.phases[row] != Phase::Rest {
+        if !resting {
             t.velocity_m_s[row] = vector::add(t.velocity_m_s[row], [c[3], c[4], c[5]]);
         }
         let turn = Quaternion::from_rotation_vector([c[6], c[7], c[8]]);
@@ -543,6 +602,8 @@ impl<'a> Run<'a> {
         if self.chunk_start <= last {
             self.smooth_back(last);
         }
+        self.track.longest_without_rest_s = longest_without_rest_s(&self.phases, self.dt);
+        self.track.phases = core::mem::take(&mut self.phases);
         self.track.gyro_bias_rad_s = self.gyro_bias;
         self.track.acc_bias_m_s2 = self.acc_bias;
     }
