@@ -124,9 +124,7 @@ pub fn exports() -> String {
              out_len: i32,\n) -> i32 {{\n    let raw = [\n{raws}    ];\n    \
              // SAFETY: the caller keeps the contract of shisei.h\n    \
              unsafe {{ call({index}, &raw, out, out_len) }}\n}}\n",
-            f.name,
-            f.doc.en,
-            f.export,
+            f.name, f.doc.en, f.export,
         );
     }
     s
