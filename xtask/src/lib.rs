@@ -1,5 +1,6 @@
 //! What `cargo xtask` does, one topic a file.
 
+pub mod artefacts;
 pub mod bench;
 pub mod cross;
 pub mod digests;

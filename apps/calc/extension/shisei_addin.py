@@ -74,6 +74,13 @@ def cells(value, arg):
         raise
 
 
+def referenced(reference):
+    """The cells of a reference; an error cell becomes NaN."""
+    values = reference.getDataArray()
+    error = any(reference.getCellByPosition(c, r).getError() for r in range(len(values)) for c in range(len(values[0])))
+    return tuple((NAN,) * len(row) for row in values) if error else values
+
+
 def number(value, arg, optional):
     """A scalar; a single cell serves."""
     while isinstance(value, tuple):
@@ -114,7 +121,7 @@ def make(entry):
                 if arg_kind == "number":
                     passed.append(number(value, arg, optional))
                 else:
-                    ranges.append(cells(value, arg))
+                    ranges.append(cells(referenced(value) if entry["not_finite"] else value, arg))
                     passed.extend(ranges[-1])
             rows, cols = shape(ranges)
             out = (D * max(rows * cols, 1))()

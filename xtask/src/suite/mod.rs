@@ -1,5 +1,6 @@
 //! The suites. To add one: a file here with a `SUITE`, and its name in `ALL`.
 
+mod calc;
 mod core;
 mod device;
 mod wasm;
@@ -26,7 +27,7 @@ pub struct Suite {
 }
 
 /// In the order in which they run.
-const ALL: &[Suite] = &[core::SUITE, device::SUITE, wasm::SUITE];
+const ALL: &[Suite] = &[core::SUITE, calc::SUITE, device::SUITE, wasm::SUITE];
 
 /// `cargo xtask test …`.
 pub fn command(project: &Project, words: &[&str]) -> ExitCode {

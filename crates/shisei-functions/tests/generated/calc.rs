@@ -15,7 +15,7 @@ fn methods(f: &Function) -> [(String, String); 2] {
 
 pub fn idl() -> String {
     let mut s = format!(
-        "// {NOTE}\n#include <com/sun/star/uno/XInterface.idl>\n\nmodule org {{ module shisei {{ module sheet {{\n\ninterface XShisei\n{{\n"
+        "// {NOTE}\n#include <com/sun/star/table/XCellRange.idl>\n#include <com/sun/star/uno/XInterface.idl>\n\nmodule org {{ module shisei {{ module sheet {{\n\ninterface XShisei\n{{\n"
     );
     for f in &FUNCTIONS {
         let returns = match f.returns.shape {
@@ -27,7 +27,14 @@ pub fn idl() -> String {
             .args
             .iter()
             .map(|a| {
-                let kind = if a.shape.is_number() { "any" } else { "sequence< sequence< any > >" };
+                // Calc refuses an array with an error cell before the call; a reference arrives with it
+                let kind = if f.takes_not_finite {
+                    "com::sun::star::table::XCellRange"
+                } else if a.shape.is_number() {
+                    "any"
+                } else {
+                    "sequence< sequence< any > >"
+                };
                 format!("[in] {kind} {}", a.name)
             })
             .collect();
