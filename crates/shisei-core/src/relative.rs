@@ -3,7 +3,7 @@
 //! Seen from the body: `q0* ⊗ q`; seen from the world: `q ⊗ q0*`. Both are no rotation at q = q0.
 //!
 //! The series functions write into a slice and take and give any of the usual rows: input rows are
-//! [`Quaternion`] or `[f64; 4]`, output rows [`Quaternion`], `[f64; 4]`, [`Ypr`](crate::Ypr) or `[f64; 3]` (yaw,
+//! [`Quaternion`] or `[f64; 4]`, output rows [`Quaternion`], `[f64; 4]`, [`Ypr`] or `[f64; 3]` (yaw,
 //! pitch, roll). Quaternions are normalised on entry; one that is zero or not finite is refused with its row.
 
 use crate::error::Result;

@@ -17,6 +17,7 @@ pub const SUITE: Suite = Suite {
         ],
         ..Needs::default()
     },
+    wants: |_| Needs::default(),
     run,
 };
 

@@ -2,7 +2,6 @@
 
 use alloc::vec::Vec;
 
-use shisei_core::calibration::affine::Affine;
 use shisei_core::calibration::gyro_turns::{self, TurnSettings};
 use shisei_core::calibration::known_turns::{self, TurnAngle};
 use shisei_core::calibration::multi_pose::{self, Pose};
@@ -20,7 +19,7 @@ fn segments(made: &Recording) -> Result<Vec<StillSegment>> {
     still_segments(&made.acc_m_s2, &made.gyro_rad_s, POSED_DT_S, &StillSettings::default())
 }
 
-fn push_affine(digest: &mut Digest, affine: &Affine) {
+fn push_affine(digest: &mut Digest, affine: &SensorModel) {
     digest.push_vec3(affine.bias);
     digest.push_all(affine.matrix.as_flattened());
 }
@@ -56,8 +55,10 @@ pub fn apply(digest: &mut Digest) {
 pub fn affine(digest: &mut Digest) {
     let mut input = Input::new(52);
     for _ in 0..64 {
-        let affine =
-            Affine { bias: input.vec3(1.0), matrix: [input.vec3(1.0), input.vec3(1.0), input.vec3(1.0)] };
+        let affine = SensorModel {
+            bias: input.vec3(1.0),
+            matrix: [input.vec3(1.0), input.vec3(1.0), input.vec3(1.0)],
+        };
         let raw = input.vec3(10.0);
         digest.push_vec3(affine.apply(raw));
         digest.push_result(affine.unapply(raw), Digest::push_vec3);
@@ -135,7 +136,7 @@ pub fn recording(digest: &mut Digest) {
 
 pub fn gyro_turns(digest: &mut Digest) {
     let made = posed(SEED);
-    let accelerometer = Affine::IDENTITY;
+    let accelerometer = SensorModel::IDENTITY;
     let found = segments(&made).and_then(|rests| {
         let settings = TurnSettings::default();
         gyro_turns::calibrate(&made.gyro_rad_s, POSED_DT_S, &rests, &accelerometer, &settings)

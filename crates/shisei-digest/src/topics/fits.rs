@@ -32,15 +32,10 @@ pub fn least_squares(digest: &mut Digest) {
             normal.add(&[a, b, c, 1.0], input.signed(), 2.0);
         }
         digest.push_all(normal.matrix.as_flattened());
-        digest.push_result(fit::cholesky(&normal.matrix), |digest, lower| {
-            digest.push_all(&fit::cholesky_solve(&lower, &normal.gradient));
-        });
         digest.push_result(fit::inverse_spd(&normal.matrix), |digest, inverse| {
             digest.push_all(inverse.as_flattened());
         });
         digest.push(fit::quadratic_form(&normal.matrix, &normal.gradient));
-        let m = [input.vec3(1.0), input.vec3(1.0), input.vec3(1.0)];
-        digest.push_result(fit::inverse3(&m), |digest, inverse| digest.push_all(inverse.as_flattened()));
     }
     curve_fit(digest, &mut input);
 }
