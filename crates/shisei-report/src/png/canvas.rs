@@ -41,6 +41,9 @@ pub(super) enum Anchor {
     Right,
 }
 
+/// In each picture's `Software` text: how `shisei` knows its own pictures.
+const SOFTWARE: &str = concat!("shisei ", env!("CARGO_PKG_VERSION"));
+
 pub(super) struct Canvas {
     pixmap: Pixmap,
 }
@@ -54,7 +57,18 @@ impl Canvas {
     }
 
     pub fn into_png(self) -> Result<Vec<u8>> {
-        self.pixmap.encode_png().map_err(|e| Error::Encode(e.to_string()))
+        let (width, height) = (self.pixmap.width(), self.pixmap.height());
+        let encode = |error: png::EncodingError| Error::Encode(error.to_string());
+        let mut bytes = Vec::new();
+        let mut encoder = png::Encoder::new(&mut bytes, width, height);
+        encoder.set_color(png::ColorType::Rgba);
+        encoder.set_depth(png::BitDepth::Eight);
+        encoder.add_text_chunk("Software".to_owned(), SOFTWARE.to_owned()).map_err(encode)?;
+        let mut writer = encoder.write_header().map_err(encode)?;
+        // The canvas is opaque, so that premultiplied and straight colours are the same.
+        writer.write_image_data(self.pixmap.data()).map_err(encode)?;
+        writer.finish().map_err(encode)?;
+        Ok(bytes)
     }
 
     pub fn fill(&mut self, frame: Frame, colour: Rgba) {

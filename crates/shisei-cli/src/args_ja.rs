@@ -1,0 +1,118 @@
+//! Japanese texts of the command line, one for each command and option.
+
+use clap::Command;
+
+const COMMANDS: &[(&str, &str)] = &[
+    ("shisei", "加速度・ジャイロの記録から、姿勢・運動・キャリブレーションを求めます"),
+    ("info", "記録の内容 (列、単位、レート、欠落、静止区間、推定した前提) を表示します"),
+    ("orient", "姿勢 (ヨー・ピッチ・ロール) を計算し、数値とレポートを出力します"),
+    ("calibrate", "6 面静止の記録から、加速度のバイアス・スケールとジャイロのバイアスを求めます"),
+    ("apply", "キャリブレーションを記録に適用します"),
+];
+
+const OPTIONS: &[(&str, &str)] = &[
+    ("lang", "メッセージ・ヘルプ・レポートの言語: en または ja (省略時はロケールに従います)"),
+    ("files", "記録ファイル (orient ではディレクトリも可)。- は標準入力です"),
+    (
+        "columns",
+        "列の意味。ファイルの順に time,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z (その他の列は '-')、または acc_x=列名,…",
+    ),
+    ("units", "ファイルに書かれていない単位: 例 acc=g,gyr=deg/s,time=ms"),
+    ("rate", "時刻の代わりに使うサンプリング周波数 [Hz]"),
+    ("axes", "新しい x, y, z 軸を記録の軸で指定: 例 x,-y,-z は z 軸下向きのセンサを直します"),
+    ("scale", "生データの 1 g あたり、1 deg/s あたりのカウント数 (データシートの値): 例 acc=16384,gyr=131"),
+    ("skip_bad_rows", "欠けた値や読めない値のある行を、エラーにせず取り除きます"),
+    ("sensor", "複数のセンサを含むファイルで、使うセンサの名前"),
+    ("json", "結果を 1 つの JSON として標準出力に書きます"),
+    ("output", "出力先 (省略時は作業ディレクトリの NAME.…)。- は標準出力です"),
+    ("filter", "姿勢の推定方法"),
+    ("kp", "Mahony の比例ゲイン [1/s]。小さいほどジャイロ、大きいほど加速度を信頼します (省略時 0.2)"),
+    ("ki", "Mahony の積分ゲイン [1/s²]。ジャイロのバイアスを学習します。0 で無効 (省略時 0)"),
+    ("kp_min", "mahony-adaptive の最小ゲイン [1/s] (省略時 0.05。最大は kp、省略時 2)"),
+    (
+        "accel_limits",
+        "mahony-adaptive のゲインが下がる加速度 [m/s²]: 下端, 下側開始, 上側開始, 上端 (省略時 4.9,9.3,10.3,14.7)",
+    ),
+    ("alpha", "相補フィルタでのジャイロの割合 0〜1 (省略時 0.98)"),
+    ("gravity", "計測地の重力加速度 [m/s²]"),
+    ("rest", "ジャイロのバイアスと初期姿勢を求める静止区間: auto、START:END [秒]、none"),
+    ("relative", "ヨー・ピッチ・ロールの基準: 静止時に対する world 軸、body 軸、または none (そのまま)"),
+    ("forward", "前方を向くセンサ軸 (±x, ±y, ±z)。開始時に水平へ投影した向きがワールドの x 軸になります"),
+    ("calibration", "適用するキャリブレーション"),
+    ("degrees", "角度をラジアンではなく度で出力します"),
+    ("keep", "入力のその他の列を出力に残します"),
+    ("report", "レポートの出力先 (省略時は作業ディレクトリの NAME.html)"),
+    ("no_report", "レポートを出力しません"),
+    ("plot", "ヨー・ピッチ・ロールの図も出力します"),
+    ("force", "shisei が書いたものでないファイルも上書きします"),
+    ("window", "静止区間の長さ [秒]"),
+    ("step", "探索の間隔 [秒]"),
+    ("max_tilt", "各面の許容傾き [度]"),
+    ("var_threshold", "静止とみなす分散の上限 [(m/s²)²]"),
+    ("sensor_id", "キャリブレーションに記録するセンサの名前"),
+    ("help", "ヘルプを表示します"),
+    ("version", "バージョンを表示します"),
+];
+
+fn text(table: &[(&str, &'static str)], id: &str) -> Option<&'static str> {
+    table.iter().find(|(name, _)| *name == id).map(|(_, text)| *text)
+}
+
+/// The command line with Japanese help.
+pub fn localize(command: Command) -> Command {
+    let about = text(COMMANDS, command.get_name());
+    let ids: Vec<String> = command.get_arguments().map(|arg| arg.get_id().to_string()).collect();
+    let subcommands: Vec<String> = command.get_subcommands().map(|sub| sub.get_name().to_owned()).collect();
+    let mut command = match about {
+        Some(about) => command.about(about).long_about(about),
+        None => command,
+    };
+    for id in ids {
+        if let Some(help) = text(OPTIONS, &id) {
+            command = command.mut_arg(&id, |arg| arg.help(help).long_help(help));
+        }
+    }
+    for name in subcommands {
+        command = command.mut_subcommand(name, localize);
+    }
+    command
+        .help_template("{about}\n\n使い方: {usage}\n\n{all-args}")
+        .subcommand_help_heading("コマンド")
+        .subcommand_value_name("コマンド")
+        .next_help_heading("オプション")
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::CommandFactory;
+
+    use super::*;
+    use crate::args::Cli;
+
+    fn check_texts(command: &Command, missing: &mut Vec<String>) {
+        if text(COMMANDS, command.get_name()).is_none() {
+            missing.push(command.get_name().to_owned());
+        }
+        for arg in command.get_arguments() {
+            let id = arg.get_id().as_str();
+            if text(OPTIONS, id).is_none() {
+                missing.push(format!("{} --{id}", command.get_name()));
+            }
+        }
+        for sub in command.get_subcommands() {
+            check_texts(sub, missing);
+        }
+    }
+
+    #[test]
+    fn every_command_and_option_has_a_japanese_text() {
+        let mut missing = Vec::new();
+        check_texts(&Cli::command(), &mut missing);
+        assert!(missing.is_empty(), "without Japanese text: {missing:?}");
+    }
+
+    #[test]
+    fn japanese_command_line_is_consistent() {
+        localize(Cli::command()).debug_assert();
+    }
+}

@@ -1,0 +1,31 @@
+//! Calibration files on the command line.
+
+use std::path::Path;
+
+use shisei_core::Lang;
+use shisei_record::Recording;
+use shisei_record::calibration::CalibrationFile;
+
+use crate::fail::{Failure, Outcome};
+use crate::input;
+
+/// Reads a calibration file.
+pub fn read(path: &Path, lang: Lang) -> Outcome<CalibrationFile> {
+    let bytes = input::read(path, lang)?;
+    CalibrationFile::from_json(&bytes).map_err(|error| {
+        let colon = if lang == Lang::Ja { "：" } else { ": " };
+        Failure::input(format!("{}{colon}{}", path.display(), error.sentence(lang)))
+    })
+}
+
+/// Corrects a recording in place.
+pub fn apply(file: &CalibrationFile, recording: &mut Recording, lang: Lang) -> Outcome<()> {
+    let acc = recording.acc_m_s2.clone();
+    let gyro = recording.gyro_rad_s.clone();
+    let models = &file.calibration;
+    models
+        .accelerometer
+        .apply_series(&acc, &mut recording.acc_m_s2)
+        .and_then(|()| models.gyroscope.apply_series(&gyro, &mut recording.gyro_rad_s))
+        .map_err(|error| Failure::core("calibration", error, lang))
+}

@@ -1,0 +1,39 @@
+//! `shisei apply`: a recording corrected by a calibration.
+
+use shisei_core::Lang;
+
+use crate::args::Apply;
+use crate::calibration;
+use crate::fail::{Outcome, say};
+use crate::input::{self, Source};
+use crate::output::{Kind, Writer, is_stdout};
+use crate::recording_csv;
+
+/// Runs the command.
+pub fn run(args: &Apply, lang: Lang) -> Outcome<()> {
+    let mut options = input::options(&args.reading, lang)?;
+    options.counts_ok = true;
+    if args.keep {
+        options.keep = vec!["*".to_owned()];
+    }
+    let inputs = args.files.iter().chain([&args.calibration]).cloned().collect();
+    let writer = Writer { force: args.force, lang, inputs };
+    writer.check(&args.output, Kind::Recording)?;
+    let file = calibration::read(&args.calibration, lang)?;
+    let source = Source { paths: args.files.clone() };
+    let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    calibration::apply(&file, &mut recording, lang)?;
+    writer.write(&args.output, Kind::Recording, |out| recording_csv::write(out, &recording))?;
+    if !is_stdout(&args.output) {
+        eprintln!(
+            "{}",
+            say(
+                lang,
+                format!("{} samples corrected", recording.len()),
+                format!("{} サンプルを補正しました", recording.len())
+            )
+        );
+        eprintln!("→ {}", args.output.display());
+    }
+    Ok(())
+}

@@ -1,0 +1,57 @@
+//! How a command ends when it cannot do what was asked: a sentence and an exit code.
+
+use shisei_core::error::Kind;
+use shisei_core::{Error, Lang};
+
+/// Exit codes of the command (INTERFACES: they are fixed, scripts rely on them).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// The data do not meet a condition.
+    Condition = 1,
+    /// Bad input or usage.
+    Input = 2,
+    /// Our fault.
+    Internal = 70,
+}
+
+/// A refusal: one sentence in the user's language, and the exit code.
+#[derive(Clone, Debug)]
+pub struct Failure {
+    /// What the process ends with.
+    pub exit: Exit,
+    /// What was wrong, where, what was expected, what to do.
+    pub sentence: String,
+}
+
+impl Failure {
+    /// Bad input or usage: exit 2.
+    pub fn input(sentence: impl Into<String>) -> Self {
+        Failure { exit: Exit::Input, sentence: sentence.into() }
+    }
+
+    /// The data do not meet a condition: exit 1.
+    pub fn condition(sentence: impl Into<String>) -> Self {
+        Failure { exit: Exit::Condition, sentence: sentence.into() }
+    }
+
+    /// A refusal of the core about the data of `file`.
+    pub fn core(file: &str, error: Error, lang: Lang) -> Self {
+        let exit = match error.kind() {
+            Kind::Shape | Kind::Domain => Exit::Input,
+            Kind::Condition => Exit::Condition,
+        };
+        let colon = if lang == Lang::Ja { "：" } else { ": " };
+        Failure { exit, sentence: format!("{file}{colon}{}", error.sentence(lang)) }
+    }
+}
+
+/// `Ok` or a refusal.
+pub type Outcome<T> = Result<T, Failure>;
+
+/// The sentence of the language in use.
+pub fn say(lang: Lang, en: impl Into<String>, ja: impl Into<String>) -> String {
+    match lang {
+        Lang::En => en.into(),
+        Lang::Ja => ja.into(),
+    }
+}

@@ -1,0 +1,201 @@
+//! Writing results: to a temporary name beside the target, then renamed, so that no partial file is left.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Read, Write};
+use std::path::{Path, PathBuf};
+
+use shisei_core::Lang;
+
+use crate::fail::{Failure, Outcome, say};
+
+/// What lets an existing file be overwritten without `--force`: it is our own earlier output.
+#[derive(Clone, Copy, Debug)]
+pub enum Kind {
+    /// CSV with the orientation columns.
+    Orientation,
+    /// CSV with the recording columns.
+    Recording,
+    /// A report page.
+    Html,
+    /// A plot.
+    Png,
+    /// A calibration.
+    Calibration,
+}
+
+impl Kind {
+    fn is_ours(self, head: &[u8]) -> bool {
+        let has = |needle: &str| head.windows(needle.len()).any(|window| window == needle.as_bytes());
+        match self {
+            Kind::Orientation => is_orientation(head),
+            Kind::Recording => head.starts_with(b"time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z"),
+            Kind::Html => has("name=\"generator\" content=\"shisei"),
+            Kind::Png => head.starts_with(b"\x89PNG") && has("shisei"),
+            Kind::Calibration => has("\"shisei-calibration\""),
+        }
+    }
+}
+
+/// True for the first bytes of a file that `orient` wrote.
+pub fn is_orientation(head: &[u8]) -> bool {
+    head.starts_with(b"time_s,q_w,q_x,q_y,q_z,")
+}
+
+/// The first bytes of a file, as far as they can be read.
+pub fn head(path: &Path) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if let Ok(file) = File::open(path) {
+        // An unreadable head counts as not ours, which is the safe answer.
+        let _ = file.take(4096).read_to_end(&mut bytes);
+    }
+    bytes
+}
+
+/// Where and how results may be written.
+#[derive(Clone, Debug)]
+pub struct Writer {
+    /// Overwrite files that are not ours.
+    pub force: bool,
+    /// Language of refusals.
+    pub lang: Lang,
+    /// Files that are read in this run; they are never overwritten.
+    pub inputs: Vec<PathBuf>,
+}
+
+impl Writer {
+    /// Refuses early, before any work is done, what [`Writer::write`] would refuse.
+    pub fn check(&self, path: &Path, kind: Kind) -> Outcome<()> {
+        if is_stdout(path) || is_special(path) || !path.exists() {
+            return Ok(());
+        }
+        let lang = self.lang;
+        let shown = path.display();
+        if path.is_dir() {
+            return Err(Failure::input(say(
+                lang,
+                format!("{shown} is a directory; name a file with -o"),
+                format!("{shown} はディレクトリです。-o にはファイル名を指定してください"),
+            )));
+        }
+        if self.inputs.iter().any(|input| same_file(input, path)) {
+            return Err(Failure::input(say(
+                lang,
+                format!(
+                    "{shown} is an input of this run and is never overwritten; name another file with -o"
+                ),
+                format!("{shown} は入力ファイルのため上書きしません。-o で別のファイル名を指定してください"),
+            )));
+        }
+        if !self.force && !kind.is_ours(&head(path)) {
+            return Err(Failure::input(say(
+                lang,
+                format!(
+                    "{shown} exists and was not written by shisei; name another file with -o, or overwrite it with --force"
+                ),
+                format!(
+                    "{shown} は既に存在し、shisei の出力ではありません。-o で別名にするか、--force で上書きしてください"
+                ),
+            )));
+        }
+        Ok(())
+    }
+
+    /// Writes a file whole or not at all; `-` is standard output.
+    pub fn write(
+        &self,
+        path: &Path,
+        kind: Kind,
+        body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Outcome<()> {
+        self.finish(vec![self.stage(path, kind, body)?])
+    }
+
+    /// Writes a file under a temporary name; [`Writer::finish`] puts it in its place, dropping it leaves nothing.
+    /// Standard output and devices are written at once.
+    pub fn stage(
+        &self,
+        path: &Path,
+        kind: Kind,
+        body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Outcome<Staged> {
+        self.check(path, kind)?;
+        let temporary = stage(path, body).map_err(|error| self.unwritable(path, &error))?;
+        Ok(Staged { temporary, path: path.to_owned() })
+    }
+
+    /// Puts staged files in their places.
+    pub fn finish(&self, files: Vec<Staged>) -> Outcome<()> {
+        for file in files {
+            if let Some(temporary) = file.temporary {
+                temporary.persist(&file.path).map_err(|error| self.unwritable(&file.path, &error.error))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn unwritable(&self, path: &Path, error: &io::Error) -> Failure {
+        let shown = path.display();
+        Failure::input(say(
+            self.lang,
+            format!("{shown} could not be written ({error}); choose another place with -o"),
+            format!("{shown} に書き込めませんでした ({error})。-o で別の場所を指定してください"),
+        ))
+    }
+}
+
+/// A result under its temporary name.
+#[derive(Debug)]
+pub struct Staged {
+    temporary: Option<tempfile::NamedTempFile>,
+    path: PathBuf,
+}
+
+fn stage(
+    path: &Path,
+    body: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<Option<tempfile::NamedTempFile>> {
+    if is_stdout(path) {
+        let mut out = BufWriter::new(io::stdout().lock());
+        body(&mut out)?;
+        out.flush()?;
+        return Ok(None);
+    }
+    if is_special(path) {
+        // A device or pipe cannot be renamed over.
+        let mut out = BufWriter::new(File::options().write(true).open(path)?);
+        body(&mut out)?;
+        out.flush()?;
+        return Ok(None);
+    }
+    let directory = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".shisei-").suffix(".tmp");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        // As any other new file: the user's umask decides (a temporary file would be 0600).
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut out = BufWriter::with_capacity(1 << 20, builder.tempfile_in(directory)?);
+    body(&mut out)?;
+    out.into_inner().map(Some).map_err(io::IntoInnerError::into_error)
+}
+
+/// True for `-`.
+pub fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+fn is_special(path: &Path) -> bool {
+    std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
+}
+
+fn same_file(a: &Path, b: &Path) -> bool {
+    match (a.canonicalize(), b.canonicalize()) {
+        (Ok(a), Ok(b)) => a == b,
+        _ => false,
+    }
+}

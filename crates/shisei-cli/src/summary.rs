@@ -1,0 +1,214 @@
+//! What the terminal and the report say about a result.
+
+use std::fmt::Write as _;
+
+use shisei_core::Lang;
+use shisei_core::orient::{Method, Orientation};
+use shisei_record::Recording;
+use shisei_report::OrientationReport;
+
+use crate::args::Relative;
+use crate::cmd::orient::{Done, Plan};
+use crate::fail::say;
+use crate::input::Source;
+use crate::output;
+
+const DEG_PER_RAD: f64 = 180.0 / std::f64::consts::PI;
+
+/// The data of a report, owned.
+#[derive(Debug)]
+pub struct Report<'a> {
+    plan: &'a Plan,
+    recording: &'a Recording,
+    orientation: &'a Orientation,
+    title: String,
+    sources: Vec<String>,
+    ypr_rad: Vec<[f64; 3]>,
+    rests: Vec<(f64, f64)>,
+    gaps: Vec<(f64, f64)>,
+    facts: Vec<(String, String)>,
+    assumptions: Vec<String>,
+    warnings: &'a [String],
+}
+
+/// Collects what a report shows.
+pub fn report<'a>(
+    plan: &'a Plan,
+    source: &Source,
+    recording: &'a Recording,
+    orientation: &'a Orientation,
+    warnings: &'a [String],
+) -> Report<'a> {
+    let lang = plan.lang;
+    let mut sources = source.paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>();
+    if sources == ["-"] {
+        sources = vec!["stdin".to_owned()];
+    }
+    let time = |k: usize| recording.time_s.get(k).copied().unwrap_or_default();
+    Report {
+        plan,
+        recording,
+        orientation,
+        title: say(lang, format!("Orientation of {}", source.stem()), format!("{} の姿勢", source.stem())),
+        sources,
+        ypr_rad: (0..recording.len()).map(|k| orientation.ypr(k).to_array()).collect(),
+        rests: orientation.rest.iter().map(|r| (time(r.start), time(r.end.saturating_sub(1)))).collect(),
+        gaps: recording.findings.gaps.iter().map(|gap| (gap.from_s, gap.from_s + gap.length_s)).collect(),
+        facts: facts(plan, recording, orientation),
+        assumptions: recording.assumptions.iter().map(|note| note.sentence(lang).to_owned()).collect(),
+        warnings,
+    }
+}
+
+impl Report<'_> {
+    fn view(&self) -> OrientationReport<'_> {
+        OrientationReport {
+            lang: self.plan.lang,
+            title: &self.title,
+            source_names: &self.sources,
+            time_s: &self.recording.time_s,
+            ypr_rad: &self.ypr_rad,
+            world_from_body: &self.orientation.world_from_body,
+            acc_m_s2: &self.recording.acc_m_s2,
+            gyro_rad_s: &self.recording.gyro_rad_s,
+            rests: &self.rests,
+            gaps: &self.gaps,
+            uncertainty: None,
+            summary: &self.facts,
+            assumptions: &self.assumptions,
+            warnings: self.warnings,
+            // A person reads degrees; the numbers in the CSV follow --degrees.
+            degrees: true,
+            generator: concat!("shisei ", env!("CARGO_PKG_VERSION")),
+        }
+    }
+
+    /// The page.
+    pub fn html(&self) -> shisei_report::Result<String> {
+        shisei_report::orientation::html(&self.view())
+    }
+
+    /// The plot.
+    pub fn png(&self) -> shisei_report::Result<Vec<u8>> {
+        shisei_report::orientation::png(&self.view(), 1600, 900)
+    }
+}
+
+/// Name and value of what was done, in the user's language.
+fn facts(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Vec<(String, String)> {
+    let lang = plan.lang;
+    let found = &recording.findings;
+    let mut facts = Vec::new();
+    let mut add = |en: &str, ja: &str, value: String| facts.push((say(lang, en, ja), value));
+    add("Format", "形式", recording.dialect.to_owned());
+    add(
+        "Samples",
+        "サンプル",
+        say(
+            lang,
+            format!("{} at {} Hz, {:.2} s", recording.len(), rate(found.rate_hz), found.duration_s),
+            format!("{} 個、{} Hz、{:.2} 秒", recording.len(), rate(found.rate_hz), found.duration_s),
+        ),
+    );
+    let time = |k: usize| recording.time_s.get(k).copied().unwrap_or_default();
+    add(
+        "Rest",
+        "静止区間",
+        match &orientation.rest {
+            Some(r) => say(
+                lang,
+                format!("{:.2} to {:.2} s", time(r.start), time(r.end.saturating_sub(1))),
+                format!("{:.2}〜{:.2} 秒", time(r.start), time(r.end.saturating_sub(1))),
+            ),
+            None => say(lang, "none (no bias removed)", "なし (バイアスは除いていません)"),
+        },
+    );
+    if orientation.rest.is_some() {
+        let b = orientation.gyro_bias_rad_s;
+        add(
+            "Gyroscope bias removed",
+            "除いたジャイロのバイアス",
+            format!("{:.5}, {:.5}, {:.5} rad/s", b[0], b[1], b[2]),
+        );
+    }
+    add("Filter", "フィルタ", filter_text(plan.settings.method, plan));
+    add(
+        "Angles",
+        "角度の基準",
+        match plan.args.relative {
+            Relative::World => {
+                say(lang, "relative to the start, world axes", "開始時に対する変化 (ワールド軸)")
+            }
+            Relative::Body => {
+                say(lang, "relative to the start, sensor axes", "開始時に対する変化 (センサ軸)")
+            }
+            Relative::None => say(lang, "attitude itself", "姿勢そのもの"),
+        },
+    );
+    if let Some(axis) = &plan.args.forward {
+        add("Forward", "前方", say(lang, format!("sensor {axis}"), format!("センサの {axis}")));
+    }
+    if let Some(path) = &plan.args.calibration {
+        add("Calibration", "キャリブレーション", path.display().to_string());
+    }
+    facts
+}
+
+fn filter_text(method: Method, plan: &Plan) -> String {
+    let name = plan.args.filter.name();
+    match method {
+        Method::Gyro | Method::GyroRk4 => name.to_owned(),
+        Method::Mahony { kp, ki } => format!("{name} (kp {kp}, ki {ki})"),
+        Method::MahonyAdaptive { gain, ki } => format!(
+            "{name} (kp {} → {}, ki {ki}, {} / {} / {} / {} m/s²)",
+            gain.kp_max, gain.kp_min, gain.lower_end, gain.lower_start, gain.upper_start, gain.upper_end
+        ),
+        Method::Complementary { alpha } => format!("{name} (alpha {alpha})"),
+    }
+}
+
+fn rate(rate_hz: f64) -> String {
+    let text = format!("{rate_hz:.2}");
+    text.trim_end_matches('0').trim_end_matches('.').to_owned()
+}
+
+/// The short summary of one recording for the terminal.
+pub fn of_one(plan: &Plan, done: &Done) -> String {
+    let lang = plan.lang;
+    let mut text = String::new();
+    let _ = writeln!(text, "{}", done.source.shown());
+    for (name, value) in facts(plan, &done.recording, &done.orientation) {
+        let _ = writeln!(text, "  {}{value}", padded(&name, 24));
+    }
+    for (axis, name) in [say(lang, "Yaw", "ヨー"), say(lang, "Pitch", "ピッチ"), say(lang, "Roll", "ロール")]
+        .iter()
+        .enumerate()
+    {
+        let (least, most) = (0..done.recording.len())
+            .map(|k| done.orientation.ypr(k).to_array()[axis] * DEG_PER_RAD)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
+        let range = say(lang, format!("{least:.1}° to {most:.1}°"), format!("{least:.1}°〜{most:.1}°"));
+        let _ = writeln!(text, "  {}{range}", padded(name, 24));
+    }
+    for note in &done.recording.assumptions {
+        let _ = writeln!(text, "  {} {}", say(lang, "assumed:", "仮定："), note.sentence(lang));
+    }
+    for warning in &done.warnings {
+        let _ = writeln!(text, "  {} {warning}", say(lang, "warning:", "注意："));
+    }
+    for path in done.outputs.iter().filter(|path| !output::is_stdout(path)) {
+        let _ = writeln!(text, "→ {}", path.display());
+    }
+    text
+}
+
+/// Padded to a width in terminal columns; Japanese characters take two.
+pub fn padded(text: &str, width: usize) -> String {
+    let columns: usize = text.chars().map(|c| if c as u32 >= 0x1100 { 2 } else { 1 }).sum();
+    format!("{text}{}", " ".repeat(width.saturating_sub(columns).max(1)))
+}
+
+/// The language's separator between a file and what is said of it.
+pub fn colon(lang: Lang) -> &'static str {
+    if lang == Lang::Ja { "：" } else { ": " }
+}

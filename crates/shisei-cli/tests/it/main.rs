@@ -1,0 +1,7 @@
+//! The command as a user meets it: real files, exit codes, sentences, and no output where there is an error.
+
+mod bad_input;
+mod calibration;
+mod many;
+mod orientation;
+mod run;
