@@ -100,11 +100,17 @@
           close();
           continue;
         }
-        run.push([
-          u.valToPos(x[row], "x", true),
-          u.valToPos(value + sigma[k][row], "y", true),
-          u.valToPos(value - sigma[k][row], "y", true),
-        ]);
+        // one edge point a pixel, the widest of those in it
+        const px = Math.round(u.valToPos(x[row], "x", true));
+        const high = u.valToPos(value + sigma[k][row], "y", true);
+        const low = u.valToPos(value - sigma[k][row], "y", true);
+        const last = run[run.length - 1];
+        if (last && last[0] === px) {
+          last[1] = Math.min(last[1], high);
+          last[2] = Math.max(last[2], low);
+        } else {
+          run.push([px, high, low]);
+        }
       }
       close();
     });
@@ -323,7 +329,7 @@
     if (shisei.plots.some((p) => p.rows.sigma.some(Boolean))) add("band", text.band);
   };
 
-  const heightFor = (width, n) => Math.round(Math.max(190, Math.min(n ? 230 : 320, width * (n ? 0.36 : 0.5))));
+  const heightFor = (width, n) => Math.round(Math.max(n ? 190 : 240, Math.min(n ? 230 : 320, width * (n ? 0.36 : 0.5))));
 
   const build = () => {
     shisei.plots.forEach((plot, n) => {
@@ -369,7 +375,7 @@
       const width = forced || holder.clientWidth;
       if (width > 0 && width !== u.width) u.setSize({ width, height: heightFor(width, n) });
     }
-    if (cursorX !== null) placeCursor();
+    setTimeout(() => { if (cursorX !== null) placeCursor(); }, 0); // after the new layout
   };
 
   shisei.charts = {

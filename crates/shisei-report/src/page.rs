@@ -213,8 +213,13 @@ impl Page<'_> {
             script_text(text),
             plots.join(","),
         );
+        let _ = writeln!(
+            out,
+            "<script>\n/* uPlot:\n{}*/\n{}\n</script>",
+            include_str!("../assets/uPlot.LICENSE"),
+            include_str!("../assets/uPlot.iife.min.js")
+        );
         for script in [
-            include_str!("../assets/uPlot.iife.min.js"),
             include_str!("../assets/data.js"),
             include_str!("../assets/plot.js"),
             include_str!("../assets/attitude.js"),

@@ -87,6 +87,15 @@ for (const lang of ["en", "ja"]) {
       }
     }
 
+    const strays = await page.$$eval(".u-over", (all) => all.flatMap((over) => {
+      const area = over.getBoundingClientRect();
+      return [...over.querySelectorAll(".u-cursor-pt:not(.u-off)")].filter((point) => {
+        const { x, y, width, height } = point.getBoundingClientRect();
+        return x + width / 2 < area.left - 1 || x + width / 2 > area.right + 1 || y + height / 2 < area.top + 1 || y + height / 2 > area.bottom - 1;
+      });
+    }).length);
+    check(`${at}: the first values are marked on their lines`, strays === 0, strays);
+
     // scrubbing turns the box and shows the values there
     const [startPose, startPicture] = [await pose(page), await picture(page)];
     await seek(page, 5);
