@@ -2,6 +2,8 @@
 // The 3-D attitude: a box with its axes over a level grid, drawn on a 2-D canvas.
 (() => {
   const BOX = [0.62, 0.42, 0.16]; // half lengths along the sensor's x, y, z
+  const GROUND = 1; // half a side of the level grid
+  const FLOOR = -0.75; // its height
   const AXIS_LENGTH = 1.15;
   const FACES = [
     { axis: 0, sign: 1 }, { axis: 0, sign: -1 },
@@ -44,8 +46,8 @@
     const up = ce * z - se * away;
     const depth = ce * away + se * z;
     const scale = 5.2 / (5.2 - depth);
-    const size = Math.min(canvas.width, canvas.height) * 0.335;
-    return [canvas.width / 2 + right * scale * size, canvas.height * 0.5 - up * scale * size, depth];
+    const size = Math.min(canvas.width, canvas.height) * 0.3;
+    return [canvas.width / 2 + right * scale * size, canvas.height * 0.47 - up * scale * size, depth];
   };
 
   const line = (a, b, colour, width) => {
@@ -73,18 +75,15 @@
 
   const drawGround = () => {
     const colour = shisei.colour("grid");
-    const floor = -0.75;
-    for (let k = -3; k <= 3; k++) {
-      const at = k * 0.4;
-      line([at, -1.2, floor], [at, 1.2, floor], colour, 1);
-      line([-1.2, at, floor], [1.2, at, floor], colour, 1);
-    }
-    const corner = [-1.2, -1.2, floor];
     const quiet = shisei.colour("quiet");
-    [[0.45, 0, 0], [0, 0.45, 0], [0, 0, 0.45]].forEach((arm, k) => {
-      const end = corner.map((c, n) => c + arm[n]);
-      line(corner, end, quiet, 1.5);
-      label(corner.map((c, n) => c + arm[n] * 1.32), "XYZ"[k], quiet, 11);
+    for (let k = -2; k <= 2; k++) {
+      const at = (k * GROUND) / 2;
+      line([at, -GROUND, FLOOR], [at, GROUND, FLOOR], colour, 1);
+      line([-GROUND, at, FLOOR], [GROUND, at, FLOOR], colour, 1);
+    }
+    [[1, 0], [0, 1]].forEach(([x, y], k) => {
+      line([0, 0, FLOOR], [x * GROUND, y * GROUND, FLOOR], quiet, 1.3);
+      label([x * GROUND * 1.12, y * GROUND * 1.12, FLOOR], "XY"[k], quiet, 11);
     });
   };
 

@@ -99,6 +99,9 @@
     redraw();
   });
 
-  show(first);
-  document.documentElement.dataset.ready = "true";
+  // the plots lay themselves out in a microtask; the cursor can be placed after it
+  setTimeout(() => {
+    show(first);
+    document.documentElement.dataset.ready = "true";
+  }, 0);
 })();

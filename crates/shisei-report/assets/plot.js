@@ -100,16 +100,71 @@
           close();
           continue;
         }
-        run.push([
-          u.valToPos(x[row], "x", true),
-          u.valToPos(value + sigma[k][row], "y", true),
-          u.valToPos(value - sigma[k][row], "y", true),
-        ]);
+        // one edge point a pixel, the widest of those in it
+        const px = Math.round(u.valToPos(x[row], "x", true));
+        const high = u.valToPos(value + sigma[k][row], "y", true);
+        const low = u.valToPos(value - sigma[k][row], "y", true);
+        const last = run[run.length - 1];
+        if (last && last[0] === px) {
+          last[1] = Math.min(last[1], high);
+          last[2] = Math.max(last[2], low);
+        } else {
+          run.push([px, high, low]);
+        }
       }
       close();
     });
     ctx.restore();
   };
+
+  // One pen stroke for each unbroken run; within a pixel's width only its first, least, greatest and last
+  // values are drawn. (uPlot's own lines close up where a break is narrower than a pixel.)
+  const linePath = (u, index, first, last) => {
+    const stroke = new Path2D();
+    const [xs, ys] = [u.data[0], u.data[index]];
+    let pen = null;
+    let column = null;
+    const to = (px, value) => {
+      const py = u.valToPos(value, "y", true);
+      if (pen) stroke.lineTo(px, py);
+      else stroke.moveTo(px, py);
+      pen = [px, py];
+    };
+    const flush = () => {
+      if (!column) return;
+      const { px, open, low, high, close } = column;
+      const alone = pen === null && low === high;
+      to(px, open);
+      if (low < Math.min(open, close)) to(px, low);
+      if (high > Math.max(open, close)) to(px, high);
+      if (close !== open || low !== high) to(px, close);
+      if (alone) stroke.lineTo(px + 0.01, pen[1]); // a single sample shows as a dot
+      column = null;
+    };
+    for (let row = Math.max(first - 2, 0); row <= Math.min(last + 2, xs.length - 1); row++) {
+      const value = ys[row];
+      if (value === undefined) continue;
+      if (value === null) {
+        flush();
+        pen = null;
+        continue;
+      }
+      const px = Math.round(u.valToPos(xs[row], "x", true) * 2) / 2;
+      if (column && column.px === px) {
+        column.low = Math.min(column.low, value);
+        column.high = Math.max(column.high, value);
+        column.close = value;
+      } else {
+        flush();
+        column = { px, open: value, low: value, high: value, close: value };
+      }
+    }
+    flush();
+    return { stroke, fill: null, clip: null, band: null, gaps: null, flags: 1 };
+  };
+
+  // Angles read best in parts of a turn.
+  const DEGREE_STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 15, 30, 45, 90, 180, 360];
 
   const options = (chart, width, height) => {
     const { plot } = chart;
@@ -141,7 +196,7 @@
       },
       axes: [
         axis(plot.xAxis, { size: 32, values: plot.xAxis.log ? undefined : plain }),
-        axis(plot.yAxis, { size: 52, values: plot.yAxis.log ? undefined : plain }),
+        axis(plot.yAxis, { size: 52, incrs: plot.yAxis.unit === "°" ? DEGREE_STEPS : undefined, values: plot.yAxis.log ? undefined : plain }),
       ],
       series: [
         {},
@@ -150,7 +205,8 @@
           stroke: () => shisei.colour("tone-" + series.tone),
           width: 1.5,
           points: series.points ? { show: true, size: 5 } : { show: false },
-          paths: series.points ? () => null : undefined,
+          cap: "round",
+          paths: series.points ? () => null : linePath,
           spanGaps: false,
         })),
       ],
@@ -273,7 +329,7 @@
     if (shisei.plots.some((p) => p.rows.sigma.some(Boolean))) add("band", text.band);
   };
 
-  const heightFor = (width, n) => Math.round(Math.max(190, Math.min(n ? 230 : 320, width * (n ? 0.36 : 0.5))));
+  const heightFor = (width, n) => Math.round(Math.max(n ? 190 : 240, Math.min(n ? 230 : 320, width * (n ? 0.36 : 0.5))));
 
   const build = () => {
     shisei.plots.forEach((plot, n) => {
@@ -319,7 +375,7 @@
       const width = forced || holder.clientWidth;
       if (width > 0 && width !== u.width) u.setSize({ width, height: heightFor(width, n) });
     }
-    if (cursorX !== null) placeCursor();
+    setTimeout(() => { if (cursorX !== null) placeCursor(); }, 0); // after the new layout
   };
 
   shisei.charts = {

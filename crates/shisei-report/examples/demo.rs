@@ -1,4 +1,5 @@
-//! Writes a plausible report in both languages, and its PNGs, to a directory: `demo [DIR] [SECONDS]`.
+//! Writes a plausible report in both languages, its PNGs and the same page with hostile names, to a
+//! directory: `demo [DIR] [SECONDS]`.
 
 use std::path::PathBuf;
 
@@ -23,14 +24,15 @@ fn swing(t: f64, from: f64, to: f64) -> f64 {
 /// Still for 3 s, then twist left and right, bend, lean, and a full turn.
 fn ypr_at(t: f64) -> [f64; 3] {
     let late = (t - 22.0).max(0.0);
+    let sway = smooth_step(t, 22.0, 24.0);
     [
         0.7 * swing(t, 3.5, 6.5) - 0.65 * swing(t, 6.5, 9.5)
             + 2.0 * core::f64::consts::PI * smooth_step(t, 17.0, 21.0)
-            + 0.25 * math::sin(1.3 * late),
+            + 0.25 * sway * math::sin(1.3 * late),
         0.9 * swing(t, 10.0, 13.0)
             + 0.03 * math::sin(4.0 * t) * smooth_step(t, 3.0, 4.0)
-            + 0.15 * math::sin(0.9 * late),
-        0.5 * swing(t, 13.0, 15.0) - 0.45 * swing(t, 15.0, 17.0) + 0.1 * math::sin(2.1 * late),
+            + 0.15 * sway * math::sin(0.9 * late),
+        0.5 * swing(t, 13.0, 15.0) - 0.45 * swing(t, 15.0, 17.0) + 0.1 * sway * math::sin(2.1 * late),
     ]
 }
 
@@ -83,7 +85,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     for (lang, name) in [(Lang::En, "en"), (Lang::Ja, "ja")] {
         let words = words(lang);
-        let sources = ["pelvis <left> & \"right\".csv".to_owned()];
+        let sources = ["pelvis.csv".to_owned()];
         let report = OrientationReport {
             lang,
             title: words.title,
@@ -113,6 +115,21 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let picture = orientation::png(&report, 1600, 900)?;
         println!("{}: {} bytes", png_path.display(), picture.len());
         std::fs::write(png_path, picture)?;
+
+        // the same with names that try to break out of their places, for the browser check
+        let attack = "</script><script>window.broken=1</script>\"'><img src=x onerror=window.broken=1>";
+        let attacks = [attack.to_owned()];
+        let pairs = [(attack.to_owned(), attack.to_owned())];
+        let hostile = OrientationReport {
+            title: attack,
+            source_names: &attacks,
+            summary: &pairs,
+            assumptions: &attacks,
+            warnings: &attacks,
+            generator: attack,
+            ..report
+        };
+        std::fs::write(dir.join(format!("{name}-hostile.html")), orientation::html(&hostile)?)?;
     }
     Ok(())
 }

@@ -194,7 +194,8 @@ impl<'a> OrientationReport<'a> {
     fn range_table(&self, text: &Text) -> Block {
         let factor = self.angle_factor();
         let shown = |v: f64| {
-            if self.degrees { format!("{:.2}°", v * factor) } else { format!("{v:.4} rad") }
+            let number = if self.degrees { format!("{:.2}°", v * factor) } else { format!("{v:.4} rad") };
+            number.replace('-', "−")
         };
         let at = |row: Option<usize>, k: usize| match row {
             Some(r) => text

@@ -71,7 +71,7 @@ impl Page<'_> {
         let mut out = String::with_capacity(1 << 20);
         let (lang, title) = (text.html_lang, html(&limited(&self.title)));
         let css = [include_str!("../assets/uPlot.min.css"), include_str!("../assets/page.css")].join("\n");
-        let _ = write!(
+        let _ = writeln!(
             out,
             "<!doctype html>\n<html lang=\"{lang}\">\n<head>\n<meta charset=\"utf-8\">\n\
              <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src \
@@ -79,7 +79,7 @@ impl Page<'_> {
              <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
              <meta name=\"color-scheme\" content=\"light dark\">\n\
              <meta name=\"generator\" content=\"{}\">\n<link rel=\"icon\" href=\"data:,\">\n\
-             <title>{title}</title>\n<style>{css}</style>\n</head>\n<body>\n",
+             <title>{title}</title>\n<style>{css}</style>\n</head>\n<body>",
             html(&limited(&self.generator)),
         );
         self.write_header(&mut out, &text);
@@ -87,9 +87,9 @@ impl Page<'_> {
         for block in &self.blocks {
             write_block(&mut out, block, &text);
         }
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<footer>{} · {}</footer>\n",
+            "<footer>{} · {}</footer>",
             html(&limited(&self.generator)),
             html(text.offline_note)
         );
@@ -99,31 +99,31 @@ impl Page<'_> {
     }
 
     fn write_header(&self, out: &mut String, text: &Text) {
-        let _ = write!(out, "<header>\n<h1>{}</h1>\n", html(&limited(&self.title)));
+        let _ = writeln!(out, "<header>\n<h1>{}</h1>", html(&limited(&self.title)));
         if !self.sources.is_empty() {
             let sources: Vec<String> = shortened(&self.sources, text).iter().map(|s| html(s)).collect();
-            let _ = write!(out, "<p class=\"sources\">{}</p>\n", sources.join("<br>"));
+            let _ = writeln!(out, "<p class=\"sources\">{}</p>", sources.join("<br>"));
         }
         out.push_str("</header>\n");
         if !self.warnings.is_empty() {
-            let _ = write!(
+            let _ = writeln!(
                 out,
-                "<section class=\"warnings\" aria-labelledby=\"w\">\n<h2 id=\"w\"><span aria-hidden=\"true\">⚠ </span>{}</h2>\n<ul>\n",
+                "<section class=\"warnings\" aria-labelledby=\"w\">\n<h2 id=\"w\"><span aria-hidden=\"true\">⚠ </span>{}</h2>\n<ul>",
                 html(text.warnings)
             );
             write_items(out, &self.warnings, text);
             out.push_str("</ul>\n</section>\n");
         }
         if !self.facts.is_empty() {
-            let _ = write!(
+            let _ = writeln!(
                 out,
-                "<section aria-labelledby=\"f\">\n<h2 id=\"f\" class=\"quiet\">{}</h2>\n<dl class=\"facts\">\n",
+                "<section aria-labelledby=\"f\">\n<h2 id=\"f\" class=\"quiet\">{}</h2>\n<dl class=\"facts\">",
                 html(text.summary)
             );
             for (name, value) in self.facts.iter().take(MAX_ITEMS) {
-                let _ = write!(
+                let _ = writeln!(
                     out,
-                    "<div><dt>{}</dt><dd>{}</dd></div>\n",
+                    "<div><dt>{}</dt><dd>{}</dd></div>",
                     html(&limited(name)),
                     html(&limited(value))
                 );
@@ -136,9 +136,9 @@ impl Page<'_> {
         if self.plots.is_empty() && self.attitude.is_none() {
             return;
         }
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<noscript><p class=\"warnings\">{}</p></noscript>\n<main class=\"board{}\">\n<div class=\"plots\">\n",
+            "<noscript><p class=\"warnings\">{}</p></noscript>\n<main class=\"board{}\">\n<div class=\"plots\">",
             html(text.no_script),
             if self.attitude.is_some() { " with-attitude" } else { "" }
         );
@@ -149,9 +149,9 @@ impl Page<'_> {
                 html(label)
             )
         };
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<div class=\"tools\" role=\"toolbar\" aria-label=\"{}\">{}{}{}{}{}<span class=\"key\" id=\"key\"></span></div>\n",
+            "<div class=\"tools\" role=\"toolbar\" aria-label=\"{}\">{}{}{}{}{}<span class=\"key\" id=\"key\"></span></div>",
             html(text.zoom),
             button("zoom-in", "+", text.zoom_in),
             button("zoom-out", "−", text.zoom_out),
@@ -160,25 +160,23 @@ impl Page<'_> {
             button("zoom-all", text.whole, text.whole),
         );
         for (k, plot) in self.plots.iter().enumerate() {
-            let _ = write!(
+            let _ = writeln!(
                 out,
                 "<section class=\"plot\" aria-labelledby=\"p{k}\">\n<h2 id=\"p{k}\">{}</h2>\n\
                  <div class=\"legend\" id=\"legend{k}\"></div>\n\
-                 <div class=\"canvas\" id=\"plot{k}\" role=\"img\" aria-label=\"{}\"></div>\n</section>\n",
+                 <div class=\"canvas\" id=\"plot{k}\" role=\"img\" aria-label=\"{}\"></div>\n</section>",
                 html(&limited(&plot.heading)),
                 html(&limited(&plot.description)),
             );
         }
-        let _ = write!(out, "<p class=\"hint\" id=\"hint\">{}</p>\n</div>\n", html(text.hint));
+        let _ = writeln!(out, "<p class=\"hint\" id=\"hint\">{}</p>\n</div>", html(text.hint));
         if self.attitude.is_some() {
-            let speeds: String = ["0.25", "0.5", "1", "2", "5", "10"]
-                .iter()
-                .map(|s| {
-                    let chosen = if *s == "1" { " selected" } else { "" };
-                    format!("<option value=\"{s}\"{chosen}>{s}×</option>")
-                })
-                .collect();
-            let _ = write!(
+            let mut speeds = String::new();
+            for speed in ["0.25", "0.5", "1", "2", "5", "10"] {
+                let chosen = if speed == "1" { " selected" } else { "" };
+                let _ = write!(speeds, "<option value=\"{speed}\"{chosen}>{speed}×</option>");
+            }
+            let _ = writeln!(
                 out,
                 "<aside class=\"attitude\" aria-labelledby=\"a\">\n<h2 id=\"a\">{}</h2>\n\
                  <canvas id=\"attitude\" tabindex=\"0\" role=\"img\" aria-label=\"{}\"></canvas>\n\
@@ -186,7 +184,7 @@ impl Page<'_> {
                  <label>{} <select id=\"speed\">{speeds}</select></label></div>\n\
                  <label class=\"time\" for=\"time\"><span>{}</span> <output id=\"now\" for=\"time\"></output></label>\n\
                  <input type=\"range\" id=\"time\" min=\"0\" max=\"1\" step=\"any\" value=\"0\">\n\
-                 <p class=\"hint\">{}</p>\n</aside>\n",
+                 <p class=\"hint\">{}</p>\n</aside>",
                 html(text.attitude),
                 html(text.attitude_description),
                 html(text.play),
@@ -209,20 +207,25 @@ impl Page<'_> {
         let max_rows = (DATA_BUDGET_BYTES / bytes_per_row.max(1)).min(MAX_ROWS);
         let plots: Vec<String> = self.plots.iter().map(|p| p.to_json(max_rows)).collect();
         let attitude = self.attitude.as_ref().map_or("null".to_owned(), |a| a.to_json(max_rows));
-        let _ = write!(
+        let _ = writeln!(
             out,
-            "<script type=\"application/json\" id=\"data\">{{\"text\":{},\"plots\":[{}],\"attitude\":{attitude}}}</script>\n",
+            "<script type=\"application/json\" id=\"data\">{{\"text\":{},\"plots\":[{}],\"attitude\":{attitude}}}</script>",
             script_text(text),
             plots.join(","),
         );
+        let _ = writeln!(
+            out,
+            "<script>\n/* uPlot:\n{}*/\n{}\n</script>",
+            include_str!("../assets/uPlot.LICENSE"),
+            include_str!("../assets/uPlot.iife.min.js")
+        );
         for script in [
-            include_str!("../assets/uPlot.iife.min.js"),
             include_str!("../assets/data.js"),
             include_str!("../assets/plot.js"),
             include_str!("../assets/attitude.js"),
             include_str!("../assets/page.js"),
         ] {
-            let _ = write!(out, "<script>\n{script}\n</script>\n");
+            let _ = writeln!(out, "<script>\n{script}\n</script>");
         }
     }
 }
@@ -271,7 +274,7 @@ fn write_block(out: &mut String, block: &Block, text: &Text) {
             out.push_str("</tbody></table></div>\n</section>\n");
         }
         Block::List { heading, items } => {
-            let _ = write!(out, "<section class=\"block\">\n<h2>{}</h2>\n<ul>\n", html(&limited(heading)));
+            let _ = writeln!(out, "<section class=\"block\">\n<h2>{}</h2>\n<ul>", html(&limited(heading)));
             write_items(out, items, text);
             out.push_str("</ul>\n</section>\n");
         }
@@ -280,7 +283,7 @@ fn write_block(out: &mut String, block: &Block, text: &Text) {
 
 fn write_items(out: &mut String, items: &[String], text: &Text) {
     for item in shortened(items, text) {
-        let _ = write!(out, "<li>{}</li>\n", html(&item));
+        let _ = writeln!(out, "<li>{}</li>", html(&item));
     }
 }
 

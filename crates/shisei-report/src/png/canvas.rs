@@ -139,23 +139,6 @@ impl Canvas {
         }
     }
 
-    /// The text, cut with "…" where it is wider than `width`.
-    pub fn fitted(&self, text: &str, size: f32, width: f32) -> String {
-        if font::width(text, size) <= width {
-            return text.to_owned();
-        }
-        let mut cut = String::new();
-        let mut used = font::width("…", size);
-        for c in text.chars() {
-            used += font::width(c.encode_utf8(&mut [0; 4]), size);
-            if used > width {
-                break;
-            }
-            cut.push(c);
-        }
-        cut + "…"
-    }
-
     fn fill_path(&mut self, path: &Path, colour: Rgba, place: Transform) {
         self.pixmap.fill_path(path, &paint(colour), FillRule::Winding, place, None);
     }

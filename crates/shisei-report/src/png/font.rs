@@ -1,4 +1,4 @@
-//! The embedded font (a subset of M PLUS 1, SIL Open Font License): text as outlines.
+//! The embedded font (a subset of Noto Sans CJK JP, SIL Open Font License): text as outlines.
 
 use std::sync::LazyLock;
 
@@ -6,7 +6,7 @@ use tiny_skia::{Path, PathBuilder};
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 static FACE: LazyLock<Option<Face<'static>>> =
-    LazyLock::new(|| Face::parse(include_bytes!("../../assets/mplus1-regular-subset.otf"), 0).ok());
+    LazyLock::new(|| Face::parse(include_bytes!("../../assets/noto-sans-cjk-jp-subset.otf"), 0).ok());
 
 /// The outline of a text with its base line at y = 0, starting at x = 0.
 pub(super) fn path(text: &str, size: f32) -> Option<Path> {
@@ -26,6 +26,23 @@ pub(super) fn width(text: &str, size: f32) -> f32 {
     let Some(face) = FACE.as_ref() else { return 0.0 };
     let scale = size / f32::from(face.units_per_em());
     text.chars().map(|c| advance(face, glyph_of(face, c)) * scale).sum()
+}
+
+/// The text, cut with "…" where it is wider than `room`.
+pub(super) fn fitted(text: &str, size: f32, room: f32) -> String {
+    if width(text, size) <= room {
+        return text.to_owned();
+    }
+    let mut cut = String::new();
+    let mut used = width("…", size);
+    for c in text.chars() {
+        used += width(c.encode_utf8(&mut [0; 4]), size);
+        if used > room {
+            break;
+        }
+        cut.push(c);
+    }
+    cut + "…"
 }
 
 fn glyph_of(face: &Face<'_>, c: char) -> GlyphId {
@@ -90,7 +107,7 @@ mod tests {
             let words = [t.yaw, t.pitch, t.roll, t.rest, t.gap, t.poor, t.band, t.orientation, t.angle];
             let more = [t.acceleration, t.angular_rate, t.angular_rate_axis, t.time, t.seconds];
             let all = words.iter().chain(&more).flat_map(|w| w.chars());
-            for c in all.chain("0123456789−.…()°/²μ骨盤姿勢 abcXYZ".chars()) {
+            for c in all.chain("0123456789−.…()°/²μ％骨盤姿勢 abcXYZ".chars()) {
                 assert!(face.glyph_index(c).is_some(), "{c} is missing");
             }
         }

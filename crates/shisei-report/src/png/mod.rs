@@ -28,7 +28,7 @@ pub fn render(title: &str, plots: &[&Plot<'_>], lang: Lang, width: u32, height: 
     let (w, h) = (width as f32, height as f32);
     let em = (w / 75.0).min(h / 34.0).max(9.0);
     let title_size = 1.45 * em;
-    let title = canvas.fitted(title, title_size, w - 3.0 * em);
+    let title = font::fitted(title, title_size, w - 3.0 * em);
     canvas.text(&title, [1.5 * em, 0.7 * em + title_size], title_size, INK, Anchor::Left);
     let top = title_size + 1.5 * em;
     let each = (h - top) / plots.len().max(1) as f32;
@@ -62,7 +62,7 @@ impl Panel<'_, '_> {
         let xs = || drawn.x.iter().copied();
         let ys = || drawn.series.iter().flat_map(|s| s.y.iter().map(|&y| f64::from(y)));
         let x = ticks::Range::of(xs(), x_log, 0.0);
-        let y = ticks::Range::of(ys(), y_log, 0.05);
+        let y = ticks::Range::of(ys(), y_log, 0.05).in_degrees(self.plot.y_axis.unit == "°");
         let to_x = |v: f64| frame.left + frame.width * x.share(v) as f32;
         let to_y = |v: f64| frame.top + frame.height * (1.0 - y.share(v)) as f32;
 
@@ -104,7 +104,7 @@ impl Panel<'_, '_> {
                 }
                 Mark::Line => {
                     for run in runs(drawn_series, |k| to_pixel(k, f64::from(drawn_series.y[k]))) {
-                        canvas.clipped_line(frame, &run, 0.13 * em, colour);
+                        canvas.clipped_line(frame, &run, (0.13 * em).max(1.6), colour);
                     }
                 }
             }

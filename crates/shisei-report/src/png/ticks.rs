@@ -8,6 +8,7 @@ pub(super) struct Range {
     from: f64,
     to: f64,
     log: bool,
+    degrees: bool,
 }
 
 /// A labelled place on an axis.
@@ -33,7 +34,12 @@ impl Range {
             (from, to) = (from - half, to + half);
         }
         let margin = free * (to - from);
-        Range { from: from - margin, to: to + margin, log }
+        Range { from: from - margin, to: to + margin, log, degrees: false }
+    }
+
+    /// With steps that are parts of a turn, for an axis in degrees.
+    pub fn in_degrees(self, degrees: bool) -> Self {
+        Range { degrees, ..self }
     }
 
     /// 0 at the start, 1 at the end.
@@ -49,6 +55,10 @@ impl Range {
         let unit = ten_to(power);
         let step = [1.0, 2.0, 5.0, 10.0].iter().map(|k| k * unit).find(|s| *s >= rough * 0.999);
         let mut step = step.unwrap_or(10.0 * unit);
+        if self.degrees && rough > 10.0 {
+            let parts = [15.0, 30.0, 45.0, 90.0, 180.0, 360.0];
+            step = parts.into_iter().find(|s| *s >= rough).unwrap_or(step);
+        }
         if self.log {
             step = step.max(1.0);
         }
@@ -86,7 +96,7 @@ mod tests {
     use super::*;
 
     fn labels(from: f64, to: f64, wanted: usize) -> Vec<String> {
-        let range = Range { from, to, log: false };
+        let range = Range { from, to, log: false, degrees: false };
         range.ticks(wanted).into_iter().map(|t| t.label).collect()
     }
 
@@ -95,6 +105,13 @@ mod tests {
         assert_eq!(labels(0.0, 16.7, 9), ["0", "2", "4", "6", "8", "10", "12", "14", "16"]);
         assert_eq!(labels(-0.31, 0.3, 6), ["−0.2", "0.0", "0.2"]);
         assert_eq!(labels(0.0, 1e-3, 4), ["0.0000", "0.0005", "0.0010"]);
+    }
+
+    #[test]
+    fn angles_are_ticked_in_parts_of_a_turn() {
+        let range = Range { from: -200.0, to: 200.0, log: false, degrees: true };
+        let labels: Vec<String> = range.ticks(10).into_iter().map(|t| t.label).collect();
+        assert_eq!(labels, ["−180", "−135", "−90", "−45", "0", "45", "90", "135", "180"]);
     }
 
     #[test]
