@@ -58,58 +58,426 @@ fn spellings() {
     let plus = |n: usize| orders.map(|c| c + n);
     let gyro_first = [5, 6, 7, 2, 3, 4];
     // Arduino sketches.
-    check(&[("ax", "0"), ("ay", "0"), ("az", "G"), ("gx", "w"), ("gy", "0"), ("gz", "0"), ("t", "s")], orders, 9.7, Some(DEG30));
-    check(&[("millis", "ms"), ("aX", "0"), ("aY", "0"), ("aZ", "G"), ("gX", "w"), ("gY", "0"), ("gZ", "0")], plus(1), 9.7, None);
-    check(&[("Timestamp", "ms"), ("AccX", "0"), ("AccY", "0"), ("AccZ", "M"), ("GyroX", "0"), ("GyroY", "0"), ("GyroZ", "0")], plus(1), 9.8, None);
-    check(&[("time_us", "us"), ("accel_x", "0"), ("accel_y", "0"), ("accel_z", "M"), ("gyro_x", "0"), ("gyro_y", "0"), ("gyro_z", "0")], plus(1), 9.8, None);
-    check(&[("timestamp", "epoch_ms"), ("x_acc", "0"), ("y_acc", "0"), ("z_acc", "G"), ("x_gyro", "0"), ("y_gyro", "0"), ("z_gyro", "0")], plus(1), 9.7, None);
-    check(&[("timestamp", "epoch_s"), ("xAcc", "0"), ("yAcc", "0"), ("zAcc", "G"), ("xGyro", "0"), ("yGyro", "0"), ("zGyro", "0")], plus(1), 9.7, None);
+    check(
+        &[("ax", "0"), ("ay", "0"), ("az", "G"), ("gx", "w"), ("gy", "0"), ("gz", "0"), ("t", "s")],
+        orders,
+        9.7,
+        Some(DEG30),
+    );
+    check(
+        &[("millis", "ms"), ("aX", "0"), ("aY", "0"), ("aZ", "G"), ("gX", "w"), ("gY", "0"), ("gZ", "0")],
+        plus(1),
+        9.7,
+        None,
+    );
+    check(
+        &[
+            ("Timestamp", "ms"),
+            ("AccX", "0"),
+            ("AccY", "0"),
+            ("AccZ", "M"),
+            ("GyroX", "0"),
+            ("GyroY", "0"),
+            ("GyroZ", "0"),
+        ],
+        plus(1),
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("time_us", "us"),
+            ("accel_x", "0"),
+            ("accel_y", "0"),
+            ("accel_z", "M"),
+            ("gyro_x", "0"),
+            ("gyro_y", "0"),
+            ("gyro_z", "0"),
+        ],
+        plus(1),
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("timestamp", "epoch_ms"),
+            ("x_acc", "0"),
+            ("y_acc", "0"),
+            ("z_acc", "G"),
+            ("x_gyro", "0"),
+            ("y_gyro", "0"),
+            ("z_gyro", "0"),
+        ],
+        plus(1),
+        9.7,
+        None,
+    );
+    check(
+        &[
+            ("timestamp", "epoch_s"),
+            ("xAcc", "0"),
+            ("yAcc", "0"),
+            ("zAcc", "G"),
+            ("xGyro", "0"),
+            ("yGyro", "0"),
+            ("zGyro", "0"),
+        ],
+        plus(1),
+        9.7,
+        None,
+    );
     // Written units.
-    check(&[("Time [s]", "s"), ("w_x [deg/s]", "w"), ("w_y [deg/s]", "0"), ("w_z [deg/s]", "0"), ("a_x [m/s^2]", "0"), ("a_y [m/s^2]", "0"), ("a_z [m/s^2]", "M")], gyro_first, 9.8, Some(DEG30));
-    check(&[("t_ms", "ms"), ("acc_x_mg", "0"), ("acc_y_mg", "0"), ("acc_z_mg", "mG"), ("gyr_x_dps", "w"), ("gyr_y_dps", "0"), ("gyr_z_dps", "0")], plus(1), 9.71, Some(DEG30));
-    check(&[("time", "s"), ("Acceleration X (g)", "0"), ("Acceleration Y (g)", "0"), ("Acceleration Z (g)", "G"), ("Angular Velocity X (°/s)", "w"), ("Angular Velocity Y (°/s)", "0"), ("Angular Velocity Z (°/s)", "0")], plus(1), 9.7, Some(DEG30));
-    check(&[("Time(s)", "s"), ("Ax(g)", "0"), ("Ay(g)", "0"), ("Az(g)", "G"), ("wx(deg/s)", "w"), ("wy(deg/s)", "0"), ("wz(deg/s)", "0"), ("AngleX(deg)", "0"), ("AngleY(deg)", "0"), ("AngleZ(deg)", "0"), ("T(°)", "w")], plus(1), 9.7, Some(DEG30));
-    check(&[("timestamp", "s"), ("accelerometer_m_s2[0]", "0"), ("accelerometer_m_s2[1]", "0"), ("accelerometer_m_s2[2]", "M"), ("gyro_rad[0]", "0"), ("gyro_rad[1]", "0"), ("gyro_rad[2]", "0")], plus(1), 9.8, None);
-    check(&[("時間[s]", "s"), ("加速度X[G]", "0"), ("加速度Y[G]", "0"), ("加速度Z[G]", "G"), ("角速度X[dps]", "w"), ("角速度Y[dps]", "0"), ("角速度Z[dps]", "0"), ("地磁気X[uT]", "w"), ("地磁気Y[uT]", "w"), ("地磁気Z[uT]", "w")], plus(1), 9.7, Some(DEG30));
+    check(
+        &[
+            ("Time [s]", "s"),
+            ("w_x [deg/s]", "w"),
+            ("w_y [deg/s]", "0"),
+            ("w_z [deg/s]", "0"),
+            ("a_x [m/s^2]", "0"),
+            ("a_y [m/s^2]", "0"),
+            ("a_z [m/s^2]", "M"),
+        ],
+        gyro_first,
+        9.8,
+        Some(DEG30),
+    );
+    check(
+        &[
+            ("t_ms", "ms"),
+            ("acc_x_mg", "0"),
+            ("acc_y_mg", "0"),
+            ("acc_z_mg", "mG"),
+            ("gyr_x_dps", "w"),
+            ("gyr_y_dps", "0"),
+            ("gyr_z_dps", "0"),
+        ],
+        plus(1),
+        9.71,
+        Some(DEG30),
+    );
+    check(
+        &[
+            ("time", "s"),
+            ("Acceleration X (g)", "0"),
+            ("Acceleration Y (g)", "0"),
+            ("Acceleration Z (g)", "G"),
+            ("Angular Velocity X (°/s)", "w"),
+            ("Angular Velocity Y (°/s)", "0"),
+            ("Angular Velocity Z (°/s)", "0"),
+        ],
+        plus(1),
+        9.7,
+        Some(DEG30),
+    );
+    check(
+        &[
+            ("Time(s)", "s"),
+            ("Ax(g)", "0"),
+            ("Ay(g)", "0"),
+            ("Az(g)", "G"),
+            ("wx(deg/s)", "w"),
+            ("wy(deg/s)", "0"),
+            ("wz(deg/s)", "0"),
+            ("AngleX(deg)", "0"),
+            ("AngleY(deg)", "0"),
+            ("AngleZ(deg)", "0"),
+            ("T(°)", "w"),
+        ],
+        plus(1),
+        9.7,
+        Some(DEG30),
+    );
+    check(
+        &[
+            ("timestamp", "s"),
+            ("accelerometer_m_s2[0]", "0"),
+            ("accelerometer_m_s2[1]", "0"),
+            ("accelerometer_m_s2[2]", "M"),
+            ("gyro_rad[0]", "0"),
+            ("gyro_rad[1]", "0"),
+            ("gyro_rad[2]", "0"),
+        ],
+        plus(1),
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("時間[s]", "s"),
+            ("加速度X[G]", "0"),
+            ("加速度Y[G]", "0"),
+            ("加速度Z[G]", "G"),
+            ("角速度X[dps]", "w"),
+            ("角速度Y[dps]", "0"),
+            ("角速度Z[dps]", "0"),
+            ("地磁気X[uT]", "w"),
+            ("地磁気Y[uT]", "w"),
+            ("地磁気Z[uT]", "w"),
+        ],
+        plus(1),
+        9.7,
+        Some(DEG30),
+    );
     // Physics Toolbox, AndroSensor, Sensor Kinetics, Matlab Mobile.
-    check(&[("time", "s"), ("gFx", "0"), ("gFy", "0"), ("gFz", "G"), ("wx", "0"), ("wy", "0"), ("wz", "0"), ("p", "w"), ("Bx", "w"), ("By", "w"), ("Bz", "w")], plus(1), 9.7, None);
-    check(&[("ACCELEROMETER X (m/s²)", "0"), ("ACCELEROMETER Y (m/s²)", "0"), ("ACCELEROMETER Z (m/s²)", "M"), ("GRAVITY X (m/s²)", "0"), ("GRAVITY Y (m/s²)", "0"), ("GRAVITY Z (m/s²)", "M"), ("LINEAR ACCELERATION X (m/s²)", "0"), ("LINEAR ACCELERATION Y (m/s²)", "0"), ("LINEAR ACCELERATION Z (m/s²)", "0"), ("GYROSCOPE X (rad/s)", "0"), ("GYROSCOPE Y (rad/s)", "0"), ("GYROSCOPE Z (rad/s)", "0"), ("Time since start in ms", "ms"), ("YYYY-MO-DD HH-MI-SS_SSS", "x")], [1, 2, 3, 10, 11, 12], 9.8, None);
-    check(&[("Timestamp", "date"), ("imu_acc_x", "0"), ("imu_acc_y", "0"), ("imu_acc_z", "M"), ("imu_gyro_x", "0"), ("imu_gyro_y", "0"), ("imu_gyro_z", "0"), ("imu_mag_x", "w"), ("imu_mag_y", "w"), ("imu_mag_z", "w"), ("qw", "1"), ("qx", "0"), ("qy", "0"), ("qz", "0")], plus(1), 9.8, None);
-    check(&[("Date", "2024-02-03"), ("Time", "clock"), ("Accel_X", "0"), ("Accel_Y", "0"), ("Accel_Z", "G"), ("Gyro_X", "0"), ("Gyro_Y", "0"), ("Gyro_Z", "0")], plus(2), 9.7, None);
-    check(&[("loop", "n"), ("rotationRateX", "0"), ("rotationRateY", "0"), ("rotationRateZ", "0"), ("accelerationX", "0"), ("accelerationY", "0"), ("accelerationZ", "M"), ("timestamp_ns", "ns")], gyro_first, 9.8, None);
-    check(&[("Acc1", "0"), ("Acc2", "0"), ("Acc3", "M"), ("Gyr1", "0"), ("Gyr2", "0"), ("Gyr3", "0"), ("Time", "s")], orders, 9.8, None);
-    check(&[("SensorId", "1"), ("TimeStamp (s)", "s"), ("FrameNumber", "n"), ("AccX (g)", "0"), ("AccY (g)", "0"), ("AccZ (g)", "G"), ("GyroX (deg/s)", "w"), ("GyroY (deg/s)", "0"), ("GyroZ (deg/s)", "0"), ("EulerX (deg)", "0"), ("LinAccX (g)", "0"), ("LinAccY (g)", "0"), ("LinAccZ (g)", "0")], [4, 5, 6, 7, 8, 9], 9.7, Some(DEG30));
-    check(&[("time", "s"), ("acc.x", "0"), ("acc.y", "0"), ("acc.z", "M"), ("gyr.x", "0"), ("gyr.y", "0"), ("gyr.z", "0")], plus(1), 9.8, None);
-    check(&[("Sample", "n"), ("Time_ms", "ms"), ("Accelerometer_X", "0"), ("Accelerometer_Y", "0"), ("Accelerometer_Z", "G"), ("Gyroscope_X_DegPerS", "w"), ("Gyroscope_Y_DegPerS", "0"), ("Gyroscope_Z_DegPerS", "0"), ("Temp", "w")], plus(2), 9.7, Some(DEG30));
-    check(&[("acc_x_mps2", "0"), ("acc_y_mps2", "0"), ("acc_z_mps2", "M"), ("gyr_x_radps", "0"), ("gyr_y_radps", "0"), ("gyr_z_radps", "0"), ("time", "s")], orders, 9.8, None);
-    check(&[("time", "s"), ("omega_x (rad/s)", "0"), ("omega_y (rad/s)", "0"), ("omega_z (rad/s)", "0"), ("f_x (m/s^2)", "0"), ("f_y (m/s^2)", "0"), ("f_z (m/s^2)", "M")], gyro_first, 9.8, None);
-    check(&[("Elapsed Time (s)", "s"), ("X-Axis Acceleration", "0"), ("Y-Axis Acceleration", "0"), ("Z-Axis Acceleration", "G"), ("X-Axis Angular Rate", "0"), ("Y-Axis Angular Rate", "0"), ("Z-Axis Angular Rate", "0")], plus(1), 9.7, None);
-    check(&[("attitude_roll(radians)", "0"), ("rotation_rate_x(radians/s)", "0"), ("rotation_rate_y(radians/s)", "0"), ("rotation_rate_z(radians/s)", "0"), ("accelerometer_x(G)", "0"), ("accelerometer_y(G)", "0"), ("accelerometer_z(G)", "G"), ("user_acc_x(G)", "0"), ("user_acc_y(G)", "0"), ("user_acc_z(G)", "0"), ("time", "s")], gyro_first, 9.7, None);
+    check(
+        &[
+            ("time", "s"),
+            ("gFx", "0"),
+            ("gFy", "0"),
+            ("gFz", "G"),
+            ("wx", "0"),
+            ("wy", "0"),
+            ("wz", "0"),
+            ("p", "w"),
+            ("Bx", "w"),
+            ("By", "w"),
+            ("Bz", "w"),
+        ],
+        plus(1),
+        9.7,
+        None,
+    );
+    check(
+        &[
+            ("ACCELEROMETER X (m/s²)", "0"),
+            ("ACCELEROMETER Y (m/s²)", "0"),
+            ("ACCELEROMETER Z (m/s²)", "M"),
+            ("GRAVITY X (m/s²)", "0"),
+            ("GRAVITY Y (m/s²)", "0"),
+            ("GRAVITY Z (m/s²)", "M"),
+            ("LINEAR ACCELERATION X (m/s²)", "0"),
+            ("LINEAR ACCELERATION Y (m/s²)", "0"),
+            ("LINEAR ACCELERATION Z (m/s²)", "0"),
+            ("GYROSCOPE X (rad/s)", "0"),
+            ("GYROSCOPE Y (rad/s)", "0"),
+            ("GYROSCOPE Z (rad/s)", "0"),
+            ("Time since start in ms", "ms"),
+            ("YYYY-MO-DD HH-MI-SS_SSS", "x"),
+        ],
+        [1, 2, 3, 10, 11, 12],
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("Timestamp", "date"),
+            ("imu_acc_x", "0"),
+            ("imu_acc_y", "0"),
+            ("imu_acc_z", "M"),
+            ("imu_gyro_x", "0"),
+            ("imu_gyro_y", "0"),
+            ("imu_gyro_z", "0"),
+            ("imu_mag_x", "w"),
+            ("imu_mag_y", "w"),
+            ("imu_mag_z", "w"),
+            ("qw", "1"),
+            ("qx", "0"),
+            ("qy", "0"),
+            ("qz", "0"),
+        ],
+        plus(1),
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("Date", "2024-02-03"),
+            ("Time", "clock"),
+            ("Accel_X", "0"),
+            ("Accel_Y", "0"),
+            ("Accel_Z", "G"),
+            ("Gyro_X", "0"),
+            ("Gyro_Y", "0"),
+            ("Gyro_Z", "0"),
+        ],
+        plus(2),
+        9.7,
+        None,
+    );
+    check(
+        &[
+            ("loop", "n"),
+            ("rotationRateX", "0"),
+            ("rotationRateY", "0"),
+            ("rotationRateZ", "0"),
+            ("accelerationX", "0"),
+            ("accelerationY", "0"),
+            ("accelerationZ", "M"),
+            ("timestamp_ns", "ns"),
+        ],
+        gyro_first,
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("Acc1", "0"),
+            ("Acc2", "0"),
+            ("Acc3", "M"),
+            ("Gyr1", "0"),
+            ("Gyr2", "0"),
+            ("Gyr3", "0"),
+            ("Time", "s"),
+        ],
+        orders,
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("SensorId", "1"),
+            ("TimeStamp (s)", "s"),
+            ("FrameNumber", "n"),
+            ("AccX (g)", "0"),
+            ("AccY (g)", "0"),
+            ("AccZ (g)", "G"),
+            ("GyroX (deg/s)", "w"),
+            ("GyroY (deg/s)", "0"),
+            ("GyroZ (deg/s)", "0"),
+            ("EulerX (deg)", "0"),
+            ("LinAccX (g)", "0"),
+            ("LinAccY (g)", "0"),
+            ("LinAccZ (g)", "0"),
+        ],
+        [4, 5, 6, 7, 8, 9],
+        9.7,
+        Some(DEG30),
+    );
+    check(
+        &[
+            ("time", "s"),
+            ("acc.x", "0"),
+            ("acc.y", "0"),
+            ("acc.z", "M"),
+            ("gyr.x", "0"),
+            ("gyr.y", "0"),
+            ("gyr.z", "0"),
+        ],
+        plus(1),
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("Sample", "n"),
+            ("Time_ms", "ms"),
+            ("Accelerometer_X", "0"),
+            ("Accelerometer_Y", "0"),
+            ("Accelerometer_Z", "G"),
+            ("Gyroscope_X_DegPerS", "w"),
+            ("Gyroscope_Y_DegPerS", "0"),
+            ("Gyroscope_Z_DegPerS", "0"),
+            ("Temp", "w"),
+        ],
+        plus(2),
+        9.7,
+        Some(DEG30),
+    );
+    check(
+        &[
+            ("acc_x_mps2", "0"),
+            ("acc_y_mps2", "0"),
+            ("acc_z_mps2", "M"),
+            ("gyr_x_radps", "0"),
+            ("gyr_y_radps", "0"),
+            ("gyr_z_radps", "0"),
+            ("time", "s"),
+        ],
+        orders,
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("time", "s"),
+            ("omega_x (rad/s)", "0"),
+            ("omega_y (rad/s)", "0"),
+            ("omega_z (rad/s)", "0"),
+            ("f_x (m/s^2)", "0"),
+            ("f_y (m/s^2)", "0"),
+            ("f_z (m/s^2)", "M"),
+        ],
+        gyro_first,
+        9.8,
+        None,
+    );
+    check(
+        &[
+            ("Elapsed Time (s)", "s"),
+            ("X-Axis Acceleration", "0"),
+            ("Y-Axis Acceleration", "0"),
+            ("Z-Axis Acceleration", "G"),
+            ("X-Axis Angular Rate", "0"),
+            ("Y-Axis Angular Rate", "0"),
+            ("Z-Axis Angular Rate", "0"),
+        ],
+        plus(1),
+        9.7,
+        None,
+    );
+    check(
+        &[
+            ("attitude_roll(radians)", "0"),
+            ("rotation_rate_x(radians/s)", "0"),
+            ("rotation_rate_y(radians/s)", "0"),
+            ("rotation_rate_z(radians/s)", "0"),
+            ("accelerometer_x(G)", "0"),
+            ("accelerometer_y(G)", "0"),
+            ("accelerometer_z(G)", "G"),
+            ("user_acc_x(G)", "0"),
+            ("user_acc_y(G)", "0"),
+            ("user_acc_z(G)", "0"),
+            ("time", "s"),
+        ],
+        gyro_first,
+        9.7,
+        None,
+    );
 }
 
 #[test]
 fn gravity_and_the_rest_add_up() {
     let cells = [
-        ("time", "s"), ("userAccelerationX", "0"), ("userAccelerationY", "0"), ("userAccelerationZ", "0"), ("gravityX", "0"),
-        ("gravityY", "0"), ("gravityZ", "G"), ("rotationRateX", "0"), ("rotationRateY", "0"), ("rotationRateZ", "0"),
+        ("time", "s"),
+        ("userAccelerationX", "0"),
+        ("userAccelerationY", "0"),
+        ("userAccelerationZ", "0"),
+        ("gravityX", "0"),
+        ("gravityY", "0"),
+        ("gravityZ", "G"),
+        ("rotationRateX", "0"),
+        ("rotationRateY", "0"),
+        ("rotationRateZ", "0"),
     ];
     let text = table(&cells, 300);
-    let recording = open(&[Input { name: "watch.csv", bytes: text.as_bytes() }], &Options::default()).unwrap();
+    let recording =
+        open(&[Input { name: "watch.csv", bytes: text.as_bytes() }], &Options::default()).unwrap();
     assert!(recording.assumptions.iter().any(|a| a.code == "gravity-added"));
     assert!((recording.findings.rest_norm - 9.72).abs() < 0.1);
     // Without the gravity columns it is refused.
     let without: Vec<(&str, &str)> = cells.iter().copied().filter(|c| !c.0.starts_with("gravity")).collect();
     let text = table(&without, 300);
-    let error = open(&[Input { name: "watch.csv", bytes: text.as_bytes() }], &Options::default()).unwrap_err();
+    let error =
+        open(&[Input { name: "watch.csv", bytes: text.as_bytes() }], &Options::default()).unwrap_err();
     assert!(matches!(error.problem, Problem::GravityRemoved { .. }), "{error}");
 }
 
 #[test]
 fn several_sensors_are_asked_about() {
     let cells = [
-        ("time", "s"), ("LeftFoot_AccX", "0"), ("LeftFoot_AccY", "0"), ("LeftFoot_AccZ", "M"), ("LeftFoot_GyroX", "0"),
-        ("LeftFoot_GyroY", "0"), ("LeftFoot_GyroZ", "0"), ("Pelvis_AccX", "0"), ("Pelvis_AccY", "0"), ("Pelvis_AccZ", "M"),
-        ("Pelvis_GyroX", "0"), ("Pelvis_GyroY", "0"), ("Pelvis_GyroZ", "0"),
+        ("time", "s"),
+        ("LeftFoot_AccX", "0"),
+        ("LeftFoot_AccY", "0"),
+        ("LeftFoot_AccZ", "M"),
+        ("LeftFoot_GyroX", "0"),
+        ("LeftFoot_GyroY", "0"),
+        ("LeftFoot_GyroZ", "0"),
+        ("Pelvis_AccX", "0"),
+        ("Pelvis_AccY", "0"),
+        ("Pelvis_AccZ", "M"),
+        ("Pelvis_GyroX", "0"),
+        ("Pelvis_GyroY", "0"),
+        ("Pelvis_GyroZ", "0"),
     ];
     let text = table(&cells, 100);
     let input = [Input { name: "body.csv", bytes: text.as_bytes() }];
@@ -124,10 +492,19 @@ fn several_sensors_are_asked_about() {
 
     // Shimmer's two accelerometers.
     let cells = [
-        ("Shimmer_6AX3_Timestamp_Unix_CAL", "epoch_ms"), ("Shimmer_6AX3_Accel_LN_X_CAL", "0"), ("Shimmer_6AX3_Accel_LN_Y_CAL", "0"),
-        ("Shimmer_6AX3_Accel_LN_Z_CAL", "M"), ("Shimmer_6AX3_Accel_WR_X_CAL", "0"), ("Shimmer_6AX3_Accel_WR_Y_CAL", "0"),
-        ("Shimmer_6AX3_Accel_WR_Z_CAL", "M"), ("Shimmer_6AX3_Gyro_X_CAL", "0"), ("Shimmer_6AX3_Gyro_Y_CAL", "0"),
-        ("Shimmer_6AX3_Gyro_Z_CAL", "0"), ("Shimmer_6AX3_Gyro_X_RAW", "n"), ("Shimmer_6AX3_Gyro_Y_RAW", "n"), ("Shimmer_6AX3_Gyro_Z_RAW", "n"),
+        ("Shimmer_6AX3_Timestamp_Unix_CAL", "epoch_ms"),
+        ("Shimmer_6AX3_Accel_LN_X_CAL", "0"),
+        ("Shimmer_6AX3_Accel_LN_Y_CAL", "0"),
+        ("Shimmer_6AX3_Accel_LN_Z_CAL", "M"),
+        ("Shimmer_6AX3_Accel_WR_X_CAL", "0"),
+        ("Shimmer_6AX3_Accel_WR_Y_CAL", "0"),
+        ("Shimmer_6AX3_Accel_WR_Z_CAL", "M"),
+        ("Shimmer_6AX3_Gyro_X_CAL", "0"),
+        ("Shimmer_6AX3_Gyro_Y_CAL", "0"),
+        ("Shimmer_6AX3_Gyro_Z_CAL", "0"),
+        ("Shimmer_6AX3_Gyro_X_RAW", "n"),
+        ("Shimmer_6AX3_Gyro_Y_RAW", "n"),
+        ("Shimmer_6AX3_Gyro_Z_RAW", "n"),
     ];
     let text = table(&cells, 100);
     let input = [Input { name: "s.csv", bytes: text.as_bytes() }];
