@@ -264,7 +264,7 @@ fn reserve(out: &mut Body, text: &[u8], offset: usize, wanted: &Wanted) {
 }
 
 #[inline]
-fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
+pub(crate) fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
     out.rows += 1;
     if wanted.slot[TIME].is_some() {
         out.time.push(row[TIME]);

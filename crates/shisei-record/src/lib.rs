@@ -21,6 +21,10 @@ pub mod names;
 mod number;
 mod open;
 pub mod options;
+#[cfg(feature = "parquet")]
+mod parquet_read;
+#[cfg(feature = "parquet")]
+pub mod parquet_write;
 pub mod plan;
 pub mod recording;
 mod settle;

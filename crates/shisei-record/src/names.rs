@@ -342,10 +342,16 @@ fn classify(name: &str, words: &[String], index_axis: Option<u8>, out: &mut Mean
         other = words.iter().any(|w| w != "axis" && has(OTHER, w));
     }
     out.named = quantity.is_some() || no_gravity || gravity;
-    out.label = label.join(" ");
     if out.axis.is_none() {
-        out.axis = index_axis.or_else(|| trailing_index(words, quantity));
+        out.axis = index_axis;
     }
+    if out.axis.is_none() {
+        out.axis = trailing_index(words, quantity);
+        if out.axis.is_some() {
+            label.pop();
+        }
+    }
+    out.label = label.join(" ");
     out.quantity = decide(words, quantity, other, no_gravity, gravity, time, counter, out);
 }
 

@@ -92,8 +92,22 @@ fn part_of(name: &str, bytes: &[u8], options: &Options, split: bool) -> Result<P
     if let Some(whole) = dialect::whole_file(bytes) {
         return (whole.read)(name, bytes, options);
     }
+    #[cfg(feature = "parquet")]
+    if crate::parquet_read::recognises(bytes) {
+        let file = crate::parquet_read::open(name, bytes)?;
+        return table_part(&file.sheet(name)?, options, split, |_, wanted| file.read(name, wanted));
+    }
     let sheet = sheet::sniff(name, bytes, options)?;
-    text_part(&sheet, options, split)
+    table_part(&sheet, options, split, body::read)
+}
+
+/// The table of a text or Parquet file.
+fn sheet_of<'a>(name: &'a str, bytes: &'a [u8], options: &Options) -> Result<Sheet<'a>> {
+    #[cfg(feature = "parquet")]
+    if crate::parquet_read::recognises(bytes) {
+        return crate::parquet_read::open(name, bytes)?.sheet(name);
+    }
+    sheet::sniff(name, bytes, options)
 }
 
 /// Looks into files: channels and layout in any case, the recording or why there is none.
@@ -117,7 +131,7 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
             }
             continue;
         }
-        let sheet = match sheet::sniff(input.name, &bytes, options) {
+        let sheet = match sheet_of(input.name, &bytes, options) {
             Ok(sheet) => sheet,
             Err(error) if inputs.len() == 1 => return Err(error),
             Err(error) => {
@@ -131,7 +145,11 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
         if i == 0 {
             out.dialect = dialect.id;
             out.dialect_name = dialect.name;
-            out.layout = format!("{}, {}", sheet.encoding.name(), sheet.delimiter.name());
+            out.layout = if bytes.starts_with(b"PAR1") {
+                "Parquet".to_owned()
+            } else {
+                format!("{}, {}", sheet.encoding.name(), sheet.delimiter.name())
+            };
             if sheet.decimal == b',' {
                 out.layout.push_str(", decimal comma");
             }
@@ -165,6 +183,8 @@ fn unpack<'a>(input: &Input<'a>) -> Result<Cow<'a, [u8]>> {
         (b"#ROSBAG", "a ROS bag"),
         (b"SQLite format 3", "an SQLite database or ROS 2 bag"),
         (b"%PDF", "a PDF document"),
+        #[cfg(not(feature = "parquet"))]
+        (b"PAR1", "a Parquet file"),
         (b"\x89PNG", "a picture"),
     ] {
         if bytes.starts_with(magic) {
@@ -195,8 +215,13 @@ fn read_names(sheet: &Sheet<'_>, options: &Options) -> (dialect::Dialect, Readin
     (dialect, reading)
 }
 
-/// Reads one text file.
-fn text_part(sheet: &Sheet<'_>, options: &Options, split: bool) -> Result<Part> {
+/// Reads one table; `read` turns its rows into numbers.
+fn table_part(
+    sheet: &Sheet<'_>,
+    options: &Options,
+    split: bool,
+    read: impl FnOnce(&Sheet<'_>, &Wanted) -> Result<Body>,
+) -> Result<Part> {
     let (dialect, mut reading) = read_names(sheet, options);
     let mut plan = Plan::make(sheet, &reading, options)?;
     let channels = plan.channels(sheet, &reading);
@@ -219,7 +244,7 @@ fn text_part(sheet: &Sheet<'_>, options: &Options, split: bool) -> Result<Part> 
     }
     wanted.slot[body::TEMP] = plan.temp;
     let clock = time_columns(sheet, &plan, &reading, options, &mut wanted);
-    let body = body::read(sheet, &wanted)?;
+    let body = read(sheet, &wanted)?;
     let mut part = Part {
         name: sheet.name.to_owned(),
         dialect: dialect.id,

@@ -147,7 +147,7 @@ pub enum Column<'a> {
 }
 
 impl Column<'_> {
-    fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         match self {
             Column::Numbers(v) => v.len(),
             Column::Strided { values, stride, .. } => values.len() / (*stride).max(1),
@@ -219,11 +219,17 @@ pub fn recording_csv(
     recording: &crate::Recording,
     decimals: Decimals,
 ) -> io::Result<()> {
+    with_columns(recording, |names, columns| csv(sink, names, columns, decimals))
+}
+
+/// The canonical columns of a recording and their names.
+pub(crate) fn with_columns<T>(
+    recording: &crate::Recording,
+    write: impl FnOnce(&[&str], &[Column<'_>]) -> T,
+) -> T {
     let mut names = vec!["time_s", "acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"];
-    let acc = recording.acc_m_s2.as_flattened();
-    let gyro = recording.gyro_rad_s.as_flattened();
     let mut columns = vec![Column::Numbers(&recording.time_s)];
-    for values in [acc, gyro] {
+    for values in [recording.acc_m_s2.as_flattened(), recording.gyro_rad_s.as_flattened()] {
         for offset in 0..3 {
             columns.push(Column::Strided { values, stride: 3, offset });
         }
@@ -236,7 +242,7 @@ pub fn recording_csv(
         names.push(&extra.name);
         columns.push(Column::Texts(&extra.cells));
     }
-    csv(sink, &names, &columns, decimals)
+    write(&names, &columns)
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ mod euroc;
 mod gaitmap;
 mod gyroflow;
 mod headerless;
+pub mod maker;
 mod metawear;
 mod microstrain;
 mod mu01;
