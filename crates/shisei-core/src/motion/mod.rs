@@ -3,6 +3,8 @@
 mod dead_reckoning;
 pub mod error_state;
 #[cfg(feature = "alloc")]
+pub mod foot;
+#[cfg(feature = "alloc")]
 pub mod navigation;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;

@@ -52,6 +52,14 @@ pub struct SensorErrors {
     pub gyro_motion_density: f64,
     /// Accelerometer noise beyond that seen at rest, m/s²/√Hz; default 0.
     pub acc_motion_density: f64,
+    /// Error of a step as a share of the change of the reading over it, 1; default 0. For impacts, which sampling
+    /// and the sensor's own filter do not follow.
+    pub jerk_share: f64,
+    /// How far the mean acceleration of 0.05 s may be off at a rest, beyond the noise, m/s²; default 0. A person
+    /// who stands sways.
+    pub acc_sway_m_s2: f64,
+    /// The same for the rate, rad/s; default 0.
+    pub gyro_sway_rad_s: f64,
 }
 
 impl Default for SensorErrors {
@@ -67,6 +75,9 @@ impl Default for SensorErrors {
             acc_bias_walk: 1e-4,
             gyro_motion_density: 0.0,
             acc_motion_density: 0.0,
+            jerk_share: 0.0,
+            acc_sway_m_s2: 0.0,
+            gyro_sway_rad_s: 0.0,
         }
     }
 }
@@ -80,6 +91,9 @@ pub struct NavigationSettings {
     pub errors: SensorErrors,
     /// Standard deviation of the velocity in a stance, m/s; default 0.02.
     pub stance_velocity_m_s: f64,
+    /// Distance of the sensor from the point on which a foot rolls, m; default 0.1: a rate ω in a stance adds
+    /// lever · |ω| to the velocity's standard deviation.
+    pub stance_lever_m: f64,
     /// Standard deviation of the velocity at rest, m/s; default 0.00045.
     pub rest_velocity_m_s: f64,
     /// A rest at which the predicted velocity is further from zero than this squared Mahalanobis distance, and
@@ -97,6 +111,7 @@ impl Default for NavigationSettings {
             gravity_m_s2: crate::STANDARD_GRAVITY_M_S2,
             errors: SensorErrors::default(),
             stance_velocity_m_s: 0.02,
+            stance_lever_m: 0.1,
             rest_velocity_m_s: 0.00045,
             doubtful_distance: 30.0,
             doubtful_rest_s: 2.0,
@@ -393,7 +408,10 @@ impl<'a> Run<'a> {
         if self.updates_at[row] {
             match self.phases[row] {
                 Phase::Rest => self.rest_block(),
-                Phase::Stance => self.zero_velocity(self.settings.stance_velocity_m_s),
+                Phase::Stance => {
+                    let roll = self.settings.stance_lever_m * vector::norm(self.corrected_rate(row));
+                    self.zero_velocity(math::hypot(self.settings.stance_velocity_m_s, roll));
+                }
                 Phase::Moving => {}
             }
         }
@@ -462,7 +480,18 @@ impl<'a> Run<'a> {
             rate_body: rate,
             dt_s,
         };
-        propagate(&mut self.p, &step, &self.noise);
+        let mut noise = self.noise;
+        let share = self.settings.errors.jerk_share;
+        if share > 0.0 {
+            let change = |a: Vec3, b: Vec3| {
+                let d = vector::sub(a, b);
+                share * share * vector::dot(d, d) * dt_s
+            };
+            let (acc, gyro) = (change(acc_after, acc_before), change(self.gyro[row], self.gyro[before]));
+            noise.acc_density = math::sqrt(noise.acc_density * noise.acc_density + acc);
+            noise.gyro_density = math::sqrt(noise.gyro_density * noise.gyro_density + gyro);
+        }
+        propagate(&mut self.p, &step, &noise);
         self.events.push(Event::Step(step));
     }
 
@@ -504,12 +533,17 @@ impl<'a> Run<'a> {
             self.p[GYRO_BIAS + i][GYRO_BIAS + i] += walk(self.noise.gyro_bias_walk);
             self.p[ACC_BIAS + i][ACC_BIAS + i] += walk(self.noise.acc_bias_walk);
         }
+        let SensorErrors { acc_sway_m_s2: acc_sway, gyro_sway_rad_s: gyro_sway, .. } = self.settings.errors;
         let gyro = vector::scale(block.gyro, 1.0 / n);
         let acc = vector::scale(block.acc, 1.0 / n);
         for i in 0..3 {
             let mut h = [0.0; STATES];
             h[GYRO_BIAS + i] = 1.0;
-            self.measure(&h, gyro[i] - self.gyro_bias[i], self.rest_gyro_variance / n);
+            self.measure(
+                &h,
+                gyro[i] - self.gyro_bias[i],
+                self.rest_gyro_variance / n + gyro_sway * gyro_sway,
+            );
         }
         for i in 0..3 {
             let r = self.q.to_matrix();
@@ -523,7 +557,7 @@ impl<'a> Run<'a> {
             for j in 0..3 {
                 h[ACC_MATRIX + 3 * i + j] = -corrected[j];
             }
-            self.measure(&h, corrected[i] - r[2][i] * g, self.rest_acc_variance / n);
+            self.measure(&h, corrected[i] - r[2][i] * g, self.rest_acc_variance / n + acc_sway * acc_sway);
         }
     }
 
