@@ -25,3 +25,16 @@ pub fn calc_extension(project: &Project, others: &[String]) -> Result<PathBuf, S
     must(&mut build).map_err(|reason| format!("{}: {reason}", show(&build)))?;
     Ok(out)
 }
+
+/// The wheel of the Python package for this platform, abi3 from Python 3.10.
+pub fn python_wheel(project: &Project) -> Result<PathBuf, String> {
+    let folder = project.target().join("wheels");
+    let _ = std::fs::remove_dir_all(&folder); // an older version's wheel must not be taken for the new one
+    let mut maturin = project.command(project.venv_python());
+    must(maturin.args(["-m", "maturin", "build", "--release", "--quiet", "--out"]).arg(&folder))?;
+    let files = std::fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut wheels = files.flatten().map(|entry| entry.path());
+    wheels
+        .find(|path| path.extension().is_some_and(|end| end == "whl"))
+        .ok_or("maturin wrote no wheel".into())
+}

@@ -7,6 +7,8 @@ mod c;
 mod calc;
 #[path = "generated/examples.rs"]
 mod examples;
+#[path = "generated/python.rs"]
+mod python;
 #[path = "generated/vba.rs"]
 mod vba;
 
@@ -67,4 +69,9 @@ fn calc_table() {
 #[test]
 fn calc_description() {
     ensure("apps/calc/extension/description.xml", &calc::description());
+}
+
+#[test]
+fn python_stubs() {
+    ensure("crates/shisei-python/python/shisei/sheet.pyi", &python::stubs());
 }

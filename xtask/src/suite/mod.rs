@@ -3,6 +3,7 @@
 mod calc;
 mod core;
 mod device;
+mod python;
 mod wasm;
 
 use std::process::ExitCode;
@@ -27,7 +28,7 @@ pub struct Suite {
 }
 
 /// In the order in which they run.
-const ALL: &[Suite] = &[core::SUITE, calc::SUITE, device::SUITE, wasm::SUITE];
+const ALL: &[Suite] = &[core::SUITE, calc::SUITE, python::SUITE, device::SUITE, wasm::SUITE];
 
 /// `cargo xtask test …`.
 pub fn command(project: &Project, words: &[&str]) -> ExitCode {

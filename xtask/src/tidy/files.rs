@@ -105,8 +105,9 @@ mod tests {
     }
 
     #[test]
-    fn a_generated_file_says_so_in_its_first_line() {
+    fn a_generated_file_says_so_in_its_first_lines() {
         assert!(is_generated("/* Generated from crates/shisei-functions; do not edit. */\n"));
-        assert!(!is_generated("//! A module.\n// generated\n"));
+        assert!(is_generated("Attribute VB_Name = \"shisei\"\r\n' Generated from the table.\r\n"));
+        assert!(!is_generated("//! A module.\n\nuse std::fs;\n// generated\n"));
     }
 }

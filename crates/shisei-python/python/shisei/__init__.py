@@ -1,0 +1,49 @@
+"""shisei: attitude, calibration and motion from accelerometer and gyroscope readings.
+
+Conventions, everywhere:
+
+- quaternions are Hamilton's, w, x, y, z, of unit norm; ``world_from_body`` turns sensor coordinates into world
+  coordinates (``v_world = q v_body q*``);
+- the world is right-handed with z up; a level accelerometer at rest reads (0, 0, +9.80665) m/s²;
+- SI units: m/s², rad/s, s, rad. Yaw, pitch, roll are Z-Y-X intrinsic;
+- a series has one sample a row, and row k of a result is the state after sample k.
+
+Arrays may be NumPy arrays, nested lists, pandas or polars frames, or a list of columns. A C-contiguous float64
+array is used as it stands, without a copy, and the GIL is released while the core works.
+
+The worksheet functions are in :mod:`shisei.sheet`.
+"""
+from . import sheet
+from ._native import ConditionError, DomainError, ShapeError, __version__, set_language
+from .calibration import Calibration, Face, SixFaceResult, six_face
+from .filters import (
+    AdaptiveGain,
+    Mahony,
+    Motion,
+    Orientation,
+    complementary,
+    dead_reckon,
+    integrate_gyro,
+    mahony,
+    mahony_adaptive,
+    orient,
+)
+from .rotations import (
+    conjugate,
+    from_axis_angle,
+    from_ypr,
+    initial_attitude,
+    multiply,
+    normalize,
+    relative,
+    rotate,
+    slerp,
+    to_ypr,
+)
+
+__all__ = [
+    "AdaptiveGain", "Calibration", "ConditionError", "DomainError", "Face", "Mahony", "Motion", "Orientation",
+    "ShapeError", "SixFaceResult", "__version__", "complementary", "conjugate", "dead_reckon", "from_axis_angle",
+    "from_ypr", "initial_attitude", "integrate_gyro", "mahony", "mahony_adaptive", "multiply", "normalize", "orient",
+    "relative", "rotate", "set_language", "sheet", "six_face", "slerp", "to_ypr",
+]

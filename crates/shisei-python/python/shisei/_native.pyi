@@ -1,0 +1,60 @@
+from typing import Any
+
+from numpy import float64
+from numpy.typing import NDArray
+
+__version__: str
+
+class ShapeError(ValueError): ...
+class DomainError(ValueError): ...
+
+class ConditionError(Exception):
+    faces: list[Any]
+
+def set_language(lang: str) -> None:
+    """Language of the sentences of exceptions: "en" or "ja"."""
+
+def functions() -> list[dict[str, Any]]: ...
+def call(index: int, given: list[Any]) -> Any: ...
+def run_filter(
+    kind: str,
+    parameters: list[float],
+    start: list[float],
+    gyro_rad_s: NDArray[float64],
+    acc_m_s2: NDArray[float64] | None,
+    dt_s: float | NDArray[float64],
+) -> NDArray[float64]: ...
+def orient(
+    kind: str,
+    parameters: list[float],
+    gyro_rad_s: NDArray[float64],
+    acc_m_s2: NDArray[float64],
+    dt_s: float | NDArray[float64],
+    auto_rest: bool,
+    rest_rows: tuple[int, int] | None,
+    forward_axis_body: list[float] | None,
+    gravity_m_s2: float,
+) -> dict[str, Any]: ...
+def multiply(a: NDArray[float64], b: NDArray[float64]) -> NDArray[float64]: ...
+def slerp(a: list[float], b: list[float], t: list[float]) -> NDArray[float64]: ...
+def dead_reckon(
+    start: list[float],
+    gyro_rad_s: NDArray[float64],
+    acc_m_s2: NDArray[float64],
+    dt_s: float | NDArray[float64],
+    gyro_bias_rad_s: list[float],
+    gravity_m_s2: float,
+    scheme: str,
+) -> NDArray[float64]: ...
+def six_face(
+    acc_m_s2: NDArray[float64], gyro_rad_s: NDArray[float64], dt_s: Any, settings: list[float]
+) -> dict[str, Any]: ...
+def apply(raw: NDArray[float64], bias: list[float], matrix: list[list[float]]) -> NDArray[float64]: ...
+
+class MahonyFilter:
+    def __init__(self, start: list[float], kp: float, ki: float) -> None: ...
+    def update(self, gyro_rad_s: list[float], acc_m_s2: list[float], dt_s: float) -> list[float]: ...
+    @property
+    def world_from_body(self) -> list[float]: ...
+    @property
+    def integral_rad_s(self) -> list[float]: ...

@@ -1,0 +1,119 @@
+"""Calibration from six faces at rest, and calibration files."""
+from __future__ import annotations
+
+import json
+import os
+from dataclasses import dataclass, field
+from datetime import datetime, timezone
+from typing import Any
+
+import numpy as np
+
+from ._arrays import Floats, series, steps
+from ._native import apply as _apply
+from ._native import six_face as _six_face
+
+IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
+ZERO = (0.0, 0.0, 0.0)
+
+
+def _rows(matrix: Any) -> list[list[float]]:
+    return [[float(x) for x in row] for row in matrix]
+
+
+@dataclass(frozen=True)
+class Calibration:
+    """``corrected = matrix (raw − bias)``, for accelerometer (m/s²) and gyroscope (rad/s)."""
+
+    acc_bias_m_s2: tuple[float, float, float] = ZERO
+    acc_matrix: Any = IDENTITY
+    """3×3, rows first; the scales on its diagonal."""
+    gyro_bias_rad_s: tuple[float, float, float] = ZERO
+    gyro_matrix: Any = IDENTITY
+    other: dict[str, Any] = field(default_factory=dict)
+    """Keys of a calibration file that this class does not know; they are kept."""
+
+    def apply_acc(self, acc_m_s2: Any) -> Floats:
+        """Corrected accelerations (N, 3), m/s²."""
+        return _apply(series(acc_m_s2, 3, "acc_m_s2"), list(self.acc_bias_m_s2), _rows(self.acc_matrix))
+
+    def apply_gyro(self, gyro_rad_s: Any) -> Floats:
+        """Corrected rates (N, 3), rad/s."""
+        return _apply(series(gyro_rad_s, 3, "gyro_rad_s"), list(self.gyro_bias_rad_s), _rows(self.gyro_matrix))
+
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Writes a calibration file (JSON), readable by ``shisei apply`` and ``shisei orient --calibration``."""
+        document = {
+            "format": "shisei-calibration",
+            "version": 1,
+            "created": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+            "method": "six-face",
+            "gravity_m_s2": 9.80665,
+            **self.other,
+            "accelerometer": {"bias_m_s2": list(self.acc_bias_m_s2), "matrix": _rows(self.acc_matrix)},
+            "gyroscope": {"bias_rad_s": list(self.gyro_bias_rad_s), "matrix": _rows(self.gyro_matrix)},
+        }
+        with open(path, "w", encoding="utf-8") as file:
+            json.dump(document, file, indent=2)
+            file.write("\n")
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Calibration:
+        """Reads a calibration file; ValueError when it is not one of version 1."""
+        with open(path, encoding="utf-8") as file:
+            document = json.load(file)
+        if not isinstance(document, dict) or document.get("format") != "shisei-calibration":
+            raise ValueError(f"{os.fspath(path)} is not a calibration file: \"format\" must be \"shisei-calibration\"")
+        if document.get("version") != 1:
+            raise ValueError(f"{os.fspath(path)} has version {document.get('version')!r}; this shisei reads version 1")
+        acc, gyro = document["accelerometer"], document["gyroscope"]
+        other = {k: v for k, v in document.items() if k not in ("accelerometer", "gyroscope")}
+        return Calibration(tuple(acc["bias_m_s2"]), acc["matrix"], tuple(gyro["bias_rad_s"]), gyro["matrix"], other)
+
+
+@dataclass(frozen=True)
+class Face:
+    """What was found of one face."""
+
+    face: str
+    """+x, -x, +y, -y, +z or -z: the axis that points up."""
+    found: bool
+    start_s: float | None
+    """Start of its window, or of the best candidate; None when the face never pointed up."""
+    worst_variance: float | None
+    """Largest variance of an axis, (m/s²)²."""
+    tilt_rad: float | None
+    mean_norm_m_s2: float | None
+
+
+@dataclass(frozen=True)
+class SixFaceResult:
+    """A calibration with its uncertainty and where it comes from."""
+
+    calibration: Calibration
+    acc_sigma: Floats
+    """(6,) standard deviations: bias x, y, z (m/s²), scale x, y, z."""
+    gyro_bias_sigma_rad_s: Floats
+    """(3,)"""
+    faces: list[Face]
+
+
+def six_face(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, dt_s: float | None = None,
+             window_s: float = 3.0, step_s: float = 0.1, max_tilt_rad: float = np.pi / 12, max_variance: float = 0.01,
+             gravity_m_s2: float = 9.80665, min_acc_scale: float = 0.9, max_acc_scale: float = 1.1) -> SixFaceResult:
+    """Accelerometer bias and scale, gyroscope bias, from a recording that rests on each of its six faces.
+
+    acc_m_s2, gyro_rad_s: (N, 3). window_s: length of still time looked for on each face. max_variance, (m/s²)²: what
+    counts as still. Raises ConditionError when a face is missing; the exception's ``faces`` says what was found.
+    """
+    acc, gyro = series(acc_m_s2, 3, "acc_m_s2"), series(gyro_rad_s, 3, "gyro_rad_s")
+    settings = [window_s, step_s, max_tilt_rad, max_variance, gravity_m_s2, min_acc_scale, max_acc_scale]
+    found = _six_face(acc, gyro, steps(len(acc), rate_hz, None, dt_s), settings)
+    faces = [Face(**f) for f in found["faces"]]
+    if "error" in found:
+        found["error"].faces = faces
+        raise found["error"]
+    calibration = Calibration(tuple(found["acc_bias_m_s2"]), found["acc_matrix"], tuple(found["gyro_bias_rad_s"]),
+                              found["gyro_matrix"], {"gravity_m_s2": gravity_m_s2})
+    sigma = np.sqrt(np.diag(np.array(found["acc_covariance"])))
+    return SixFaceResult(calibration, sigma, np.sqrt(np.array(found["gyro_bias_variance"])), faces)

@@ -1,0 +1,167 @@
+"""From readings to attitude and motion."""
+from __future__ import annotations
+
+from dataclasses import astuple, dataclass
+from typing import Any, Literal
+
+from . import sheet
+from ._arrays import Floats, series, steps, vector
+from ._native import MahonyFilter, run_filter
+from ._native import dead_reckon as _dead_reckon
+from ._native import orient as _orient
+
+GRAVITY_M_S2 = 9.80665
+IDENTITY = (1.0, 0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class AdaptiveGain:
+    """kp as a function of |a|, m/s²: ``kp_max`` between the starts, falling to ``kp_min`` at the ends."""
+
+    kp_max: float = 2.0
+    kp_min: float = 0.05
+    upper_start: float = 10.3
+    upper_end: float = 14.7
+    lower_start: float = 9.3
+    lower_end: float = 4.9
+
+
+def _run(kind: str, parameters: list[float], start: Any, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None,
+         time_s: Any, dt_s: float | None) -> Floats:
+    gyro = series(gyro_rad_s, 3, "gyro_rad_s")
+    acc = None if acc_m_s2 is None else series(acc_m_s2, 3, "acc_m_s2")
+    step = steps(len(gyro), rate_hz, time_s, dt_s)
+    return run_filter(kind, parameters, vector(start, 4, "start"), gyro, acc, step)
+
+
+def mahony(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
+           dt_s: float | None = None, start: Any = IDENTITY, kp: float = 0.2, ki: float = 0.0) -> Floats:
+    """Mahony's filter. Returns (N, 4), ``world_from_body`` after each sample.
+
+    gyro_rad_s, acc_m_s2: (N, 3) in sensor axes. rate_hz, or time_s (N,), or dt_s. start: attitude (4,) before the
+    first sample. kp, 1/s: how fast tilt follows the accelerometer (1/kp is the time constant; 0.2 suits people's
+    movements, larger values trust the accelerometer more). ki, 1/s²: how fast a gyro bias is learnt, 0 for not.
+    """
+    return _run("mahony", [kp, ki], start, gyro_rad_s, acc_m_s2, rate_hz, time_s, dt_s)
+
+
+def mahony_adaptive(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
+                    dt_s: float | None = None, start: Any = IDENTITY, gain: AdaptiveGain = AdaptiveGain(),
+                    ki: float = 0.0, gravity_m_s2: float = GRAVITY_M_S2) -> Floats:
+    """Mahony's filter with a gain that falls while |a| is far from gravity. Arguments as :func:`mahony`."""
+    parameters = [*astuple(gain), ki, gravity_m_s2]
+    return _run("mahony-adaptive", parameters, start, gyro_rad_s, acc_m_s2, rate_hz, time_s, dt_s)
+
+
+def complementary(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
+                  dt_s: float | None = None, start: Any = IDENTITY, alpha: float = 0.98,
+                  gravity_m_s2: float = GRAVITY_M_S2) -> Floats:
+    """Complementary filter: ``alpha`` of the gyro, 1 − ``alpha`` of the accelerometer while 0.5 < |a|/g < 1.5.
+
+    The time constant is about dt alpha / (1 − alpha). Other arguments and result as :func:`mahony`.
+    """
+    return _run("complementary", [alpha, gravity_m_s2], start, gyro_rad_s, acc_m_s2, rate_hz, time_s, dt_s)
+
+
+def integrate_gyro(*, gyro_rad_s: Any, rate_hz: float | None = None, time_s: Any = None, dt_s: float | None = None,
+                   start: Any = IDENTITY, method: Literal["exact", "rk4"] = "exact") -> Floats:
+    """Integrates rates (N, 3), rad/s, alone. Returns (N, 4). ``exact`` holds each rate over its step."""
+    kinds = {"exact": "gyro", "rk4": "gyro-rk4"}
+    if method not in kinds:
+        raise ValueError(f"method is {method!r}; it must be 'exact' or 'rk4'")
+    return _run(kinds[method], [], start, gyro_rad_s, None, rate_hz, time_s, dt_s)
+
+
+class Mahony:
+    """Mahony's filter, one sample at a time; the same bits as :func:`mahony`."""
+
+    def __init__(self, start: Any = IDENTITY, *, kp: float = 0.2, ki: float = 0.0) -> None:
+        self._filter = MahonyFilter(vector(start, 4, "start"), kp, ki)
+
+    def update(self, gyro_rad_s: Any, acc_m_s2: Any, dt_s: float) -> tuple[float, float, float, float]:
+        """One sample (3,), (3,) and the time since the one before, s. Returns w, x, y, z.
+
+        A sample that is not finite leaves the attitude unchanged; a zero acceleration is a step by the gyro alone.
+        """
+        w, x, y, z = self._filter.update(list(gyro_rad_s), list(acc_m_s2), dt_s)
+        return w, x, y, z
+
+    @property
+    def world_from_body(self) -> tuple[float, float, float, float]:
+        """The attitude now, w, x, y, z."""
+        w, x, y, z = self._filter.world_from_body
+        return w, x, y, z
+
+    @property
+    def gyro_bias_rad_s(self) -> tuple[float, float, float]:
+        """The bias learnt so far (with ki > 0), rad/s in sensor axes."""
+        x, y, z = self._filter.integral_rad_s
+        return -x, -y, -z
+
+
+@dataclass(frozen=True)
+class Orientation:
+    """Orientation of a recording."""
+
+    world_from_body: Floats
+    """(N, 4), w, x, y, z after each sample."""
+    start: tuple[float, float, float, float]
+    """Attitude at the rest."""
+    rest: tuple[int, int] | None
+    """Rows of the rest, the end excluded."""
+    gyro_bias_rad_s: tuple[float, float, float]
+    """The bias that was removed."""
+
+    def ypr_rad(self, relative: Literal["world", "body", "none"] = "world") -> Floats:
+        """(N, 3) yaw, pitch, roll: of the turn since the start in world or sensor axes, or of the attitude itself."""
+        functions = {"world": sheet.Quats2WorldYprs, "body": sheet.Quats2BodyYprs}
+        if relative == "none":
+            return sheet.Quats2Yprs(self.world_from_body)
+        return functions[relative](self.world_from_body, self.start)
+
+
+def orient(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
+           dt_s: float | None = None, filter: Literal["mahony", "mahony-adaptive", "complementary", "gyro", "gyro-rk4"] = "mahony",
+           kp: float = 0.2, ki: float = 0.0, gain: AdaptiveGain = AdaptiveGain(), alpha: float = 0.98,
+           rest: Literal["auto"] | tuple[int, int] | None = "auto", forward_axis: Any = None,
+           gravity_m_s2: float = GRAVITY_M_S2) -> Orientation:
+    """A whole recording: finds the first rest, removes the gyro bias measured there, starts from its attitude.
+
+    gyro_rad_s, acc_m_s2: (N, 3). rest: "auto", (first row, end row), or None to start at once with no bias removed.
+    forward_axis (3,): the sensor axis that, laid flat at the start, shall point along world x. Raises ConditionError
+    when no rest is found.
+    """
+    gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
+    parameters = {"mahony": [kp, ki], "mahony-adaptive": [*astuple(gain), ki, gravity_m_s2],
+                  "complementary": [alpha, gravity_m_s2]}.get(filter, [])
+    rows = None if rest is None or rest == "auto" else (int(rest[0]), int(rest[1]))
+    axis = None if forward_axis is None else vector(forward_axis, 3, "forward_axis")
+    found = _orient(filter, parameters, gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), rest == "auto", rows, axis,
+                    gravity_m_s2)
+    return Orientation(found["world_from_body"], tuple(found["start"]), found["rest"], tuple(found["gyro_bias_rad_s"]))
+
+
+@dataclass(frozen=True)
+class Motion:
+    """Attitude, velocity and position in world axes after each sample."""
+
+    world_from_body: Floats
+    """(N, 4), w, x, y, z."""
+    velocity_m_s: Floats
+    """(N, 3)."""
+    position_m: Floats
+    """(N, 3), from the start."""
+
+
+def dead_reckon(*, gyro_rad_s: Any, acc_m_s2: Any, start: Any, rate_hz: float | None = None, time_s: Any = None,
+                dt_s: float | None = None, gyro_bias_rad_s: Any = (0.0, 0.0, 0.0), gravity_m_s2: float = GRAVITY_M_S2,
+                scheme: Literal["semi-implicit", "euler", "trapezoid"] = "trapezoid") -> Motion:
+    """Velocity and position from rest. The error grows with the square of the time: metres after ten seconds.
+
+    gyro_rad_s, acc_m_s2: (N, 3). start: attitude (4,) before the first sample. gravity_m_s2: mean |a| at rest of
+    the same sensor.
+    """
+    gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
+    out = _dead_reckon(vector(start, 4, "start"), gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s),
+                       vector(gyro_bias_rad_s, 3, "gyro_bias_rad_s"), gravity_m_s2, scheme)
+    return Motion(out[:, :4], out[:, 4:7], out[:, 7:])

@@ -1,0 +1,81 @@
+//! The six-face calibration and its application.
+
+use crate::arrays::{rows, table};
+use crate::errors::exception;
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use shisei_core::Vec3;
+use shisei_core::calibration::{FaceTable, SensorModel, SixFaceSettings, search_faces, solve};
+
+/// Finds the faces, then solves; `faces` is there also when the solution is not (`error` says why then).
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn six_face<'py>(
+    py: Python<'py>,
+    acc_m_s2: PyReadonlyArray2<'py, f64>,
+    gyro_rad_s: PyReadonlyArray2<'py, f64>,
+    dt_s: f64,
+    settings: [f64; 7],
+) -> PyResult<Bound<'py, PyDict>> {
+    let (acc, gyro) = (rows::<3>(&acc_m_s2, "acc_m_s2")?, rows::<3>(&gyro_rad_s, "gyro_rad_s")?);
+    let [window_s, step_s, max_tilt_rad, variance_max, gravity_m_s2, min_acc_scale, max_acc_scale] = settings;
+    let settings = SixFaceSettings {
+        window_s,
+        step_s,
+        max_tilt_rad,
+        variance_max,
+        gravity_m_s2,
+        min_acc_scale,
+        max_acc_scale,
+    };
+    let refuse = |error| exception("six_face", error);
+    let found = py.detach(|| search_faces(acc, gyro, dt_s, &settings)).map_err(refuse)?;
+    let solved = solve(&found, &settings);
+    let result = PyDict::new(py);
+    result.set_item("faces", faces(py, &found, dt_s)?)?;
+    match solved {
+        Ok(solved) => {
+            let (a, g) = (solved.calibration.accelerometer, solved.calibration.gyroscope);
+            result.set_item("acc_bias_m_s2", a.bias)?;
+            result.set_item("acc_matrix", a.matrix)?;
+            result.set_item("gyro_bias_rad_s", g.bias)?;
+            result.set_item("gyro_matrix", g.matrix)?;
+            result.set_item("acc_covariance", solved.acc_covariance)?;
+            result.set_item("gyro_bias_variance", solved.gyro_bias_variance)?;
+        }
+        Err(error) => result.set_item("error", refuse(error))?,
+    }
+    Ok(result)
+}
+
+fn faces<'py>(py: Python<'py>, found: &FaceTable, dt_s: f64) -> PyResult<Vec<Bound<'py, PyDict>>> {
+    let missing: Vec<_> = found.missing().map(|row| row.face).collect();
+    let entry = |row: &shisei_core::calibration::FaceRow| {
+        let entry = PyDict::new(py);
+        entry.set_item("face", row.face.to_string())?;
+        entry.set_item("found", !missing.contains(&row.face))?;
+        entry.set_item("start_s", row.window.map(|w| w.start_row as f64 * dt_s))?;
+        entry.set_item("worst_variance", row.window.map(|w| w.worst_variance()))?;
+        entry.set_item("tilt_rad", row.window.map(|w| w.tilt_rad))?;
+        entry.set_item("mean_norm_m_s2", row.window.map(|w| w.mean_norm()))?;
+        Ok(entry)
+    };
+    found.faces.iter().map(entry).collect()
+}
+
+/// `matrix (raw − bias)` of every row.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn apply<'py>(
+    py: Python<'py>,
+    raw: PyReadonlyArray2<'py, f64>,
+    bias: Vec3,
+    matrix: [Vec3; 3],
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let raw = rows::<3>(&raw, "raw")?;
+    let mut out = vec![[0.0; 3]; raw.len()];
+    py.detach(|| SensorModel { bias, matrix }.apply_series(raw, &mut out))
+        .map_err(|error| exception("apply", error))?;
+    table(py, out)
+}

@@ -1,0 +1,207 @@
+//! Filters over arrays, one sample at a time, and whole recordings.
+
+use crate::arrays::{Step, rows, table};
+use crate::errors::exception;
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use shisei_core::filter::{
+    AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroRk4, Mahony, MahonyAdaptive, run, run_gyro,
+};
+use shisei_core::motion::{DeadReckoning, MotionState, Scheme};
+use shisei_core::orient::{self as whole, Method, Relative, RestChoice, Settings};
+use shisei_core::{Quaternion, Result, Vec3};
+
+type Quat = [f64; 4];
+
+fn at<const N: usize>(parameters: &[f64]) -> PyResult<[f64; N]> {
+    <[f64; N]>::try_from(parameters)
+        .map_err(|_| PyValueError::new_err(format!("{} parameters, {N} expected", parameters.len())))
+}
+
+fn gain(p: &[f64]) -> PyResult<AdaptiveGain> {
+    let [kp_max, kp_min, upper_start, upper_end, lower_start, lower_end] = at(p)?;
+    Ok(AdaptiveGain { kp_max, kp_min, upper_start, upper_end, lower_start, lower_end })
+}
+
+/// Runs the filter `kind` with its parameters (as the package orders them) from `start`.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn run_filter<'py>(
+    py: Python<'py>,
+    kind: &str,
+    parameters: Vec<f64>,
+    start: Quat,
+    gyro_rad_s: PyReadonlyArray2<'py, f64>,
+    acc_m_s2: Option<PyReadonlyArray2<'py, f64>>,
+    dt_s: Step<'py>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let gyro = rows::<3>(&gyro_rad_s, "gyro_rad_s")?;
+    let acc = acc_m_s2.as_ref().map_or(Ok(&[][..]), |acc| rows::<3>(acc, "acc_m_s2"))?;
+    let (dt, q, p) = (dt_s.dt()?, Quaternion::from_array(start), &parameters[..]);
+    let out: Result<Vec<Quat>> = match kind {
+        "gyro" => py.detach(|| run_gyro(&mut GyroIntegrator::new(q)?, gyro, dt)),
+        "gyro-rk4" => py.detach(|| run_gyro(&mut GyroRk4::new(q)?, gyro, dt)),
+        "mahony" => {
+            let [kp, ki] = at(p)?;
+            py.detach(|| run(&mut Mahony::new(q, kp, ki)?, gyro, acc, dt))
+        }
+        "mahony-adaptive" => {
+            let [.., ki, gravity] = at::<8>(p)?;
+            let gain = gain(&p[..6])?;
+            py.detach(|| run(&mut MahonyAdaptive::new(q, gain, ki, gravity)?, gyro, acc, dt))
+        }
+        "complementary" => {
+            let [alpha, gravity] = at(p)?;
+            py.detach(|| run(&mut Complementary::new(q, alpha, gravity)?, gyro, acc, dt))
+        }
+        other => return Err(PyValueError::new_err(format!("there is no filter {other:?}"))),
+    };
+    table(py, out.map_err(|error| exception(kind, error))?)
+}
+
+/// Mahony's filter, one sample at a time.
+#[pyclass(module = "shisei._native", name = "MahonyFilter")]
+#[derive(Debug)]
+pub struct MahonyFilter(Mahony);
+
+#[pymethods]
+impl MahonyFilter {
+    #[new]
+    fn new(start: Quat, kp: f64, ki: f64) -> PyResult<Self> {
+        let filter = Mahony::new(Quaternion::from_array(start), kp, ki);
+        filter.map(MahonyFilter).map_err(|error| exception("MahonyFilter", error))
+    }
+
+    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quat {
+        self.0.update(gyro_rad_s, acc_m_s2, dt_s).to_array()
+    }
+
+    #[getter]
+    fn world_from_body(&self) -> Quat {
+        self.0.orientation().to_array()
+    }
+
+    #[getter]
+    fn integral_rad_s(&self) -> Vec3 {
+        self.0.integral_rad_s()
+    }
+}
+
+/// A whole recording: rest, bias, start, filter. `rest` is None, "auto" or (start, end) in rows.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // what PyO3 extracts; keywords in the package
+pub fn orient<'py>(
+    py: Python<'py>,
+    kind: &str,
+    parameters: Vec<f64>,
+    gyro_rad_s: PyReadonlyArray2<'py, f64>,
+    acc_m_s2: PyReadonlyArray2<'py, f64>,
+    dt_s: Step<'py>,
+    auto_rest: bool,
+    rest_rows: Option<(usize, usize)>,
+    forward_axis_body: Option<Vec3>,
+    gravity_m_s2: f64,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
+    let p = &parameters[..];
+    let method = match kind {
+        "gyro" => Method::Gyro,
+        "gyro-rk4" => Method::GyroRk4,
+        "mahony" => at(p).map(|[kp, ki]| Method::Mahony { kp, ki })?,
+        "mahony-adaptive" => {
+            let [.., ki, _] = at::<8>(p)?;
+            Method::MahonyAdaptive { gain: gain(&p[..6])?, ki }
+        }
+        "complementary" => at(p).map(|[alpha, _]| Method::Complementary { alpha })?,
+        other => return Err(PyValueError::new_err(format!("there is no filter {other:?}"))),
+    };
+    let rest = match rest_rows {
+        Some((start, end)) => RestChoice::Rows { start, end },
+        None if auto_rest => RestChoice::Auto,
+        None => RestChoice::None,
+    };
+    let settings = Settings { method, rest, relative: Relative::None, forward_axis_body, gravity_m_s2 };
+    let steps;
+    let dt = match dt_s.dt()? {
+        Dt::PerSample(dt) => dt,
+        Dt::Constant(dt) => {
+            steps = vec![dt; gyro.len()];
+            &steps
+        }
+    };
+    let found =
+        py.detach(|| whole::orient(acc, gyro, dt, &settings)).map_err(|error| exception("orient", error))?;
+    let result = PyDict::new(py);
+    let quats: Vec<Quat> = found.world_from_body.into_iter().map(Quaternion::to_array).collect();
+    result.set_item("world_from_body", table(py, quats)?)?;
+    result.set_item("start", found.start.to_array())?;
+    result.set_item("rest", found.rest.map(|r| (r.start, r.end)))?;
+    result.set_item("gyro_bias_rad_s", found.gyro_bias_rad_s)?;
+    Ok(result)
+}
+
+/// Hamilton products row by row; both have as many rows.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn multiply<'py>(
+    py: Python<'py>,
+    a: PyReadonlyArray2<'py, f64>,
+    b: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (a, b) = (rows::<4>(&a, "a")?, rows::<4>(&b, "b")?);
+    if a.len() != b.len() {
+        let error = shisei_core::Error::LengthMismatch { first: a.len(), second: b.len() };
+        return Err(exception("multiply", error));
+    }
+    let product =
+        |(&a, &b): (&Quat, &Quat)| Quaternion::from_array(a).product(Quaternion::from_array(b)).to_array();
+    let out: Vec<Quat> = py.detach(|| a.iter().zip(b).map(product).collect());
+    table(py, out)
+}
+
+/// Spherical interpolation from `a` to `b` at each t.
+#[pyfunction]
+pub fn slerp(py: Python<'_>, a: Quat, b: Quat, t: Vec<f64>) -> PyResult<Bound<'_, PyArray2<f64>>> {
+    let unit =
+        |q: Quat| Quaternion::from_array(q).try_normalized().map_err(|error| exception("slerp", error));
+    let (a, b) = (unit(a)?, unit(b)?);
+    table(py, t.into_iter().map(|t| Quaternion::slerp(a, b, t).to_array()).collect::<Vec<Quat>>())
+}
+
+/// Attitude, velocity and position: columns w, x, y, z, vx, vy, vz, px, py, pz.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // what PyO3 extracts; keywords in the package
+pub fn dead_reckon<'py>(
+    py: Python<'py>,
+    start: Quat,
+    gyro_rad_s: PyReadonlyArray2<'py, f64>,
+    acc_m_s2: PyReadonlyArray2<'py, f64>,
+    dt_s: Step<'py>,
+    gyro_bias_rad_s: Vec3,
+    gravity_m_s2: f64,
+    scheme: &str,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
+    let scheme = match scheme {
+        "semi-implicit" => Scheme::SemiImplicit,
+        "euler" => Scheme::Euler,
+        "trapezoid" => Scheme::Trapezoid,
+        other => return Err(PyValueError::new_err(format!("there is no scheme {other:?}"))),
+    };
+    let dt = dt_s.dt()?;
+    let states = py.detach(|| -> Result<Vec<MotionState>> {
+        let q = Quaternion::from_array(start);
+        let mut reckoning = DeadReckoning::new(q, gyro_bias_rad_s, gravity_m_s2, scheme)?;
+        let mut states = vec![reckoning.state(); gyro.len()];
+        reckoning.run_into(gyro, acc, dt, &mut states)?;
+        Ok(states)
+    });
+    let states = states.map_err(|error| exception("dead_reckon", error))?;
+    let row = |s: &MotionState| {
+        let ([w, x, y, z], v, p) = (s.world_from_body.to_array(), s.velocity_m_s, s.position_m);
+        [w, x, y, z, v[0], v[1], v[2], p[0], p[1], p[2]]
+    };
+    table(py, states.iter().map(row).collect::<Vec<[f64; 10]>>())
+}

@@ -1,0 +1,31 @@
+//! `shisei._native`: NumPy arrays in, NumPy arrays out. No formula lives here, and no documentation for users:
+//! the Python package in `python/shisei` wraps every function with keyword names, units and checks.
+//!
+//! C-contiguous float64 arrays are borrowed, never copied; results are handed over without a copy; the GIL is
+//! released while the core works.
+#![allow(unsafe_code)] // PyO3's macros
+
+mod arrays;
+mod calibration;
+mod errors;
+mod filters;
+mod sheet;
+
+use pyo3::prelude::*;
+
+#[pymodule]
+fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", shisei_functions::VERSION)?;
+    errors::register(module)?;
+    module.add_function(wrap_pyfunction!(sheet::functions, module)?)?;
+    module.add_function(wrap_pyfunction!(sheet::call, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::run_filter, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::orient, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::slerp, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::multiply, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::dead_reckon, module)?)?;
+    module.add_function(wrap_pyfunction!(calibration::six_face, module)?)?;
+    module.add_function(wrap_pyfunction!(calibration::apply, module)?)?;
+    module.add_class::<filters::MahonyFilter>()?;
+    Ok(())
+}

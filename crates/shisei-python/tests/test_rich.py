@@ -1,0 +1,174 @@
+"""The rich API: units, shapes, frames, calibration files, threads."""
+import csv
+import json
+import pathlib
+import threading
+import time
+
+import numpy as np
+import pytest
+
+import shisei
+
+ROOT = pathlib.Path(__file__).resolve().parents[3]
+
+
+def recording(name):
+    with open(ROOT / "examples" / name, encoding="utf-8") as f:
+        rows = list(csv.reader(f))[1:]
+    data = np.array([[float(x) for x in row[1:7]] for row in rows])
+    return np.ascontiguousarray(data[:, :3]), np.ascontiguousarray(data[:, 3:])
+
+
+def lively(n, seed=1):
+    rng = np.random.default_rng(seed)
+    return rng.normal(0, 1, (n, 3)), rng.normal(0, 1, (n, 3)) + [0, 0, 9.8]
+
+
+def angle_between(a, b):
+    return 2 * np.arccos(np.clip(np.abs(np.sum(a * b, axis=1)), 0, 1))
+
+
+def test_rotations_against_scipy():
+    rotation = pytest.importorskip("scipy.spatial.transform").Rotation
+    q = np.random.default_rng(2).normal(size=(500, 4))
+    unit = shisei.normalize(q)
+    r = rotation.from_quat(np.roll(unit, -1, axis=1))
+    np.testing.assert_allclose(shisei.to_ypr(q), r.as_euler("ZYX"), atol=1e-12)
+    np.testing.assert_allclose(shisei.rotate(q, [1, 2, 3]), r.apply([1, 2, 3]), atol=1e-13)
+    assert angle_between(shisei.from_ypr(shisei.to_ypr(q)), unit).max() < 1e-7
+    product = shisei.multiply(unit, unit[::-1])
+    expected = np.roll((r * r[::-1]).as_quat(), 1, axis=1)
+    assert angle_between(product, expected).max() < 1e-7
+    world = shisei.relative(q, q[0])
+    np.testing.assert_allclose(world, shisei.multiply(unit, shisei.conjugate(unit[0])), atol=1e-15)
+    np.testing.assert_allclose(world[0], [1, 0, 0, 0], atol=1e-15)
+    body = shisei.relative(q, q[0], frame="body")
+    np.testing.assert_allclose(body, shisei.multiply(shisei.conjugate(unit[0]), unit), atol=1e-15)
+    half = shisei.slerp(unit[0], unit[1], 0.5)
+    ends = angle_between(np.array([half, half]), unit[:2])
+    assert half.shape == (4,) and abs(ends[0] - ends[1]) < 1e-7
+    np.testing.assert_allclose(shisei.from_axis_angle([0, 0, 5], np.pi / 2), [np.sqrt(0.5), 0, 0, np.sqrt(0.5)])
+
+
+def test_one_row_in_one_row_out():
+    q = [0.9, 0.1, -0.3, 0.3]
+    assert shisei.to_ypr(q).shape == (3,) and shisei.normalize(q).shape == (4,)
+    assert shisei.from_ypr([0.1, 0.2, 0.3]).shape == (4,) and shisei.rotate(q, [1, 0, 0]).shape == (3,)
+    assert shisei.multiply(q, q).shape == (4,) and shisei.multiply([q], q).shape == (1, 4)
+
+
+def test_filters_agree_with_the_sheet_and_with_single_steps():
+    gyro, acc = lively(300)
+    q0 = shisei.initial_attitude(acc[:20])
+    series = shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, start=q0, kp=1.5, ki=0.1)
+    np.testing.assert_array_equal(series, shisei.sheet.UpdateQuatsByMahony(q0, gyro, acc, 0.01, 1.5, 0.1))
+    one = shisei.Mahony(q0, kp=1.5, ki=0.1)
+    for k in range(300):
+        assert one.update(gyro[k], acc[k], 0.01) == tuple(series[k])
+    assert one.world_from_body == tuple(series[-1]) and len(one.gyro_bias_rad_s) == 3
+    gain = shisei.AdaptiveGain()
+    np.testing.assert_array_equal(
+        shisei.mahony_adaptive(gyro_rad_s=gyro, acc_m_s2=acc, dt_s=0.01, start=q0, gain=gain),
+        shisei.sheet.UpdateQuatsByMahonyAdaptive(q0, gyro, acc, 0.01, 2, 0.05, 10.3, 14.7, 9.3, 4.9, 0))
+    np.testing.assert_array_equal(shisei.complementary(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, start=q0),
+                                  shisei.sheet.UpdateQuatsByComplementary(q0, gyro, acc, 0.01))
+    np.testing.assert_array_equal(shisei.integrate_gyro(gyro_rad_s=gyro, rate_hz=100, method="rk4"),
+                                  shisei.sheet.UpdateQuatsByGyroRK4([1, 0, 0, 0], gyro, 0.01))
+    motion = shisei.dead_reckon(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, start=q0, scheme="semi-implicit")
+    flat = shisei.sheet.DeadReckon(q0, gyro, acc, 0.01)
+    np.testing.assert_array_equal(np.hstack([motion.velocity_m_s, motion.position_m]), flat)
+
+
+def test_time_stamps_give_each_step():
+    gyro, acc = lively(100)
+    time_s = np.cumsum(np.where(np.arange(100) % 2, 0.01, 0.02))
+    by_stamps = shisei.integrate_gyro(gyro_rad_s=gyro, time_s=time_s)
+    one = shisei.Mahony(kp=0.0)
+    dt = np.diff(time_s, prepend=time_s[0] - np.median(np.diff(time_s)))
+    for k in range(100):
+        last = one.update(gyro[k], acc[k], dt[k])
+    assert angle_between(by_stamps[-1:], np.array([last]))[0] < 1e-7
+
+
+def test_orient_finds_the_rest_and_the_truth():
+    acc, gyro = recording("pelvis.csv")
+    with open(ROOT / "examples/pelvis.truth.csv", encoding="utf-8") as f:
+        truth = np.array([[float(r[k]) for k in ("yaw_rad", "pitch_rad", "roll_rad")] for r in csv.DictReader(f)])
+    found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward_axis=[0, 0, 1])
+    assert found.rest is not None and found.world_from_body.shape == (len(acc), 4)
+    error = np.abs(found.ypr_rad() - truth).max(axis=0)
+    assert np.degrees(error).max() < 2.5, np.degrees(error)
+    with pytest.raises(shisei.ConditionError):
+        shisei.orient(gyro_rad_s=lively(500)[0], acc_m_s2=lively(500)[1], rate_hz=100)
+
+
+def test_six_face_and_its_file(tmp_path):
+    acc, gyro = recording("six-face.csv")
+    result = shisei.six_face(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100)
+    truth = json.loads((ROOT / "examples/six-face.truth.json").read_text(encoding="utf-8"))
+    np.testing.assert_allclose(result.calibration.acc_bias_m_s2, truth["accelerometer"]["bias_m_s2"], atol=0.005)
+    np.testing.assert_allclose(result.calibration.gyro_bias_rad_s, truth["gyroscope"]["bias_rad_s"], atol=0.002)
+    assert [f.face for f in result.faces] == ["+x", "-x", "+y", "-y", "+z", "-z"] and all(f.found for f in result.faces)
+    assert result.acc_sigma.shape == (6,) and (result.acc_sigma > 0).all()
+    np.testing.assert_array_equal(
+        np.hstack([result.calibration.apply_acc(acc), result.calibration.apply_gyro(gyro)]),
+        shisei.sheet.ApplyIMUCalib(np.hstack([acc, gyro]), shisei.sheet.GetIMUCalib(np.hstack([acc, gyro]), 0.01)))
+    path = tmp_path / "cal.json"
+    result.calibration.save(path)
+    again = shisei.Calibration.load(path)
+    np.testing.assert_array_equal(again.apply_acc(acc), result.calibration.apply_acc(acc))
+    document = json.loads(path.read_text(encoding="utf-8"))
+    document["note"] = "kept"
+    path.write_text(json.dumps(document), encoding="utf-8")
+    shisei.Calibration.load(path).save(path)
+    assert json.loads(path.read_text(encoding="utf-8"))["note"] == "kept"
+    for key, value in (("format", "other"), ("version", 2)):
+        path.write_text(json.dumps({**document, key: value}), encoding="utf-8")
+        with pytest.raises(ValueError, match=key if key == "version" else "calibration file"):
+            shisei.Calibration.load(path)
+    with pytest.raises(shisei.ConditionError, match="up was found") as caught:
+        shisei.six_face(acc_m_s2=acc[:3000], gyro_rad_s=gyro[:3000], rate_hz=100)
+    assert any(not f.found for f in caught.value.faces)
+
+
+def test_refusals():
+    gyro, acc = lively(10)
+    for bad in ({}, {"rate_hz": 100, "dt_s": 0.01}):
+        with pytest.raises(TypeError):
+            shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc, **bad)
+    with pytest.raises(shisei.DomainError):
+        shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=0)
+    with pytest.raises(shisei.DomainError):
+        shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc, time_s=np.zeros(10))
+    with pytest.raises(shisei.ShapeError):
+        shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc[:5], rate_hz=100)
+    with pytest.raises(shisei.ShapeError, match=r"\(N, 3\)"):
+        shisei.mahony(gyro_rad_s=gyro[:, :2], acc_m_s2=acc, rate_hz=100)
+    with pytest.raises(shisei.ShapeError):
+        shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc, time_s=np.arange(9.0))
+
+
+def test_large_arrays_are_not_copied():
+    gyro, acc = lively(1000)
+    from shisei._arrays import series
+    assert series(gyro, 3, "gyro") is gyro or np.shares_memory(series(gyro, 3, "gyro"), gyro)
+    out = shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100)
+    assert out.flags.c_contiguous and out.dtype == np.float64
+
+
+def test_the_gil_is_released():
+    gyro, acc = lively(2_000_000)
+    ticks, done = [], threading.Event()
+
+    def work():
+        shisei.mahony(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100)
+        done.set()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    while not done.is_set():
+        ticks.append(time.perf_counter())
+        time.sleep(0.001)
+    thread.join()
+    assert len(ticks) > 5, "this thread stood still while the other calculated"
