@@ -73,6 +73,17 @@ pub fn node(output: &str) -> Option<Tally> {
     })
 }
 
+/// A closing line of our own scripts: `3 passed, 0 failed`.
+pub fn closing_line(output: &str) -> Option<Tally> {
+    let line = output.lines().rev().find(|line| line.contains(" passed, "))?;
+    let count = |word: &str| number_before(line, word);
+    Some(Tally {
+        passed: count(" passed")?,
+        failed: count(" failed")?,
+        skipped: count(" skipped").unwrap_or(0),
+    })
+}
+
 fn number_before(text: &str, word: &str) -> Option<usize> {
     let before = &text[..text.find(word)?];
     let digits = before.rsplit(|c: char| !c.is_ascii_digit()).next()?;

@@ -4,6 +4,7 @@ mod calc;
 mod core;
 mod device;
 mod python;
+mod viewer;
 mod wasm;
 
 use std::process::ExitCode;
@@ -28,7 +29,7 @@ pub struct Suite {
 }
 
 /// In the order in which they run.
-const ALL: &[Suite] = &[core::SUITE, calc::SUITE, python::SUITE, device::SUITE, wasm::SUITE];
+const ALL: &[Suite] = &[core::SUITE, calc::SUITE, python::SUITE, device::SUITE, wasm::SUITE, viewer::SUITE];
 
 /// `cargo xtask test …`.
 pub fn command(project: &Project, words: &[&str]) -> ExitCode {

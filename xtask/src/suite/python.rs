@@ -13,6 +13,7 @@ pub const SUITE: Suite = Suite {
         pip: vec!["maturin", "pytest", "numpy", "scipy", "pandas", "polars", "mypy"],
         ..Needs::default()
     },
+    wants: |_| Needs::default(),
     run,
 };
 
