@@ -334,9 +334,8 @@ impl Reader<'_, '_> {
         // More cells follow on the line.
         match memchr::memchr(b'\n', text.get(at..)?) {
             Some(end) if end <= LINE_LIMIT => Some(at + end + 1),
-            Some(_) => None,
             None if text.len() - at <= LINE_LIMIT => Some(text.len()),
-            None => None,
+            _ => None,
         }
     }
 

@@ -1,5 +1,6 @@
 //! What the values themselves tell: rest, units, gravity, axes, clipping.
 
+use crate::options::Permutation;
 use shisei_core::vector::norm;
 use shisei_core::{STANDARD_GRAVITY_M_S2 as G, Vec3, math};
 
@@ -28,15 +29,17 @@ pub(crate) fn rest(acc: &[Vec3], gyro: &[Vec3], window: usize) -> Rest {
         let mut mean = [0.0; 3];
         for a in rows {
             for i in 0..3 {
-                mean[i] += a[i] / n;
+                mean[i] += a[i];
             }
         }
+        mean = mean.map(|m| m / n);
         let mut variance = 0.0;
         for a in rows {
             for i in 0..3 {
-                variance += (a[i] - mean[i]) * (a[i] - mean[i]) / n;
+                variance += (a[i] - mean[i]) * (a[i] - mean[i]);
             }
         }
+        variance /= n;
         let level = norm(mean);
         found.push((variance, level, k));
     }
@@ -100,26 +103,32 @@ pub(crate) fn level(norm: f64, whole_numbers: bool) -> Level {
     }
 }
 
-/// Samples at the end of a sensor's range: the extreme value, where it stands in more than two rows that
-/// follow each other or makes up a run of equal extremes.
-pub(crate) fn clipped(values: impl Iterator<Item = f64> + Clone) -> (usize, f64) {
-    let extreme = values.clone().fold(0.0f64, |m, v| m.max(if v < 0.0 { -v } else { v }));
-    if extreme <= 0.0 {
-        return (0, 0.0);
-    }
-    let limit = extreme * (1.0 - 1e-3);
-    let (mut total, mut run, mut longest) = (0usize, 0usize, 0usize);
+/// Samples at the end of a sensor's range, per axis: how many, and the level. Only axes whose extreme is
+/// above `floor` and stands in at least three rows that follow each other count.
+pub(crate) fn clipped(values: &[Vec3], floor: f64) -> ([usize; 3], Vec3) {
+    let mut extreme = [0.0f64; 3];
     for v in values {
-        let v = if v < 0.0 { -v } else { v };
-        if v >= limit {
-            total += 1;
-            run += 1;
-            longest = longest.max(run);
-        } else {
-            run = 0;
+        for i in 0..3 {
+            extreme[i] = extreme[i].max(v[i].abs());
         }
     }
-    if longest >= 3 { (total, extreme) } else { (0, 0.0) }
+    let limit = extreme.map(|e| e * (1.0 - 1e-3));
+    let (mut total, mut run, mut longest) = ([0usize; 3], [0usize; 3], [0usize; 3]);
+    for v in values {
+        for i in 0..3 {
+            let at_end = v[i].abs() >= limit[i];
+            run[i] = if at_end { run[i] + 1 } else { 0 };
+            total[i] += usize::from(at_end);
+            longest[i] = longest[i].max(run[i]);
+        }
+    }
+    for i in 0..3 {
+        if longest[i] < 3 || extreme[i] <= floor {
+            total[i] = 0;
+            extreme[i] = 0.0;
+        }
+    }
+    (total, extreme)
 }
 
 /// How the direction of gravity in the sensor moves against what the gyro says: for slow motion the
@@ -151,11 +160,12 @@ impl Agreement {
                 let (Some(a), Some(w), Some(dt)) = (acc.get(i), gyro.get(i), dt_s.get(i)) else { continue };
                 let dt = dt.min(1.0);
                 for j in 0..3 {
-                    v[j] += a[j] / n;
+                    v[j] += a[j];
                     theta[j] += w[j] * dt;
                 }
                 length += dt;
             }
+            v = v.map(|x| x / n);
             let size = norm(v);
             let good = size > 0.9 * gravity && size < 1.1 * gravity && length < 1.0;
             if !good {
@@ -164,11 +174,11 @@ impl Agreement {
             }
             let v = v.map(|x| x / size);
             if let Some((v0, theta0)) = previous {
-                let turn = [0, 1, 2].map(|i| (theta0[i] + theta[i]) / 2.0);
+                let turn = [0, 1, 2].map(|i| 0.5 * (theta0[i] + theta[i]));
                 let dv = [0, 1, 2].map(|i| v[i] - v0[i]);
                 let moved = norm(dv);
                 if moved > 0.02 && moved < 0.6 {
-                    out.add([0, 1, 2].map(|i| (v[i] + v0[i]) / 2.0), turn, dv);
+                    out.add([0, 1, 2].map(|i| 0.5 * (v[i] + v0[i])), turn, dv);
                 }
             }
             previous = Some((v, theta));
@@ -217,6 +227,18 @@ impl Agreement {
         }
         let factor = linear / quadratic;
         (factor, 1.0 - linear * linear / quadratic / self.total)
+    }
+}
+
+impl Rest {
+    /// The same rest after scaling and turning.
+    pub fn converted(&self, acc_factor: f64, gyro_factor: f64, axes: &Permutation) -> Rest {
+        Rest {
+            norm: self.norm * acc_factor,
+            acc: axes.apply(self.acc.map(|a| a * acc_factor)),
+            gyro_sigma: self.gyro_sigma * gyro_factor,
+            ..*self
+        }
     }
 }
 

@@ -106,14 +106,12 @@ fn words(name: &str) -> (Vec<String>, Vec<String>) {
         let joins = c.is_alphabetic() || c == 'ー';
         let step = c.is_uppercase() && previous.is_lowercase();
         let script = joins && previous.is_alphabetic() && c.is_ascii() != previous.is_ascii();
-        if (!joins && !c.is_ascii_digit())
+        let parted = (!joins && !c.is_ascii_digit())
             || step
             || script
-            || (c.is_ascii_digit() != previous.is_ascii_digit() && !word.is_empty())
-        {
-            if !word.is_empty() {
-                words.push(std::mem::take(&mut word));
-            }
+            || c.is_ascii_digit() != previous.is_ascii_digit();
+        if parted && !word.is_empty() {
+            words.push(std::mem::take(&mut word));
         }
         if joins || c.is_ascii_digit() {
             word.extend(c.to_lowercase());

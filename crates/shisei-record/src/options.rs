@@ -179,7 +179,7 @@ impl Units {
             match (key.trim().to_lowercase().as_str(), unit) {
                 ("acc" | "", Unit::Acceleration(..)) | ("acc", Unit::Counts) => out.acc = Some(unit),
                 ("gyr" | "gyro" | "", Unit::AngularRate(..)) | ("gyr" | "gyro", Unit::Counts) => {
-                    out.gyro = Some(unit)
+                    out.gyro = Some(unit);
                 }
                 ("time" | "", Unit::Time(..)) => out.time = Some(unit),
                 _ => return Err(fail()),

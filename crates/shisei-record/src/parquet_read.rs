@@ -71,7 +71,7 @@ impl Values {
                 v.get(row).filter(|v| !v.is_nan()).map_or_else(String::new, |v| format!("{v}"))
             }
             Values::Integers(v) => v.get(row).copied().flatten().map_or_else(String::new, |v| format!("{v}")),
-            Values::Texts(v) => v.get(row).map_or_else(String::new, |t| t.to_string()),
+            Values::Texts(v) => v.get(row).map(ToString::to_string).unwrap_or_default(),
         }
     }
 

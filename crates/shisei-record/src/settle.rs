@@ -121,7 +121,9 @@ pub(crate) fn settle(part: Part, options: &Options) -> Result<Recording> {
     }
     out.findings.skipped_rows += part.body.skipped + part.body.trimmed;
     row_notes(&mut out, part.body.skipped, part.body.trimmed);
-    judge_values(&mut out, window, part.name.as_str(), options)?;
+    let turned = options.axes.map_or(Permutation::IDENTITY, |a| a.acc);
+    let rest = raw_rest.converted(acc_factor.unwrap_or(1.0), gyro_factor.unwrap_or(1.0), &turned);
+    judge_values(&mut out, &rest, window, part.name.as_str(), options)?;
     Ok(out)
 }
 
@@ -271,8 +273,13 @@ fn row_notes(out: &mut Recording, skipped: usize, trimmed: usize) {
 }
 
 /// Rest, gravity, axes, clipping, gaps.
-fn judge_values(out: &mut Recording, window: usize, file: &str, options: &Options) -> Result<()> {
-    let rest = judge::rest(&out.acc_m_s2, &out.gyro_rad_s, window);
+fn judge_values(
+    out: &mut Recording,
+    rest: &judge::Rest,
+    window: usize,
+    file: &str,
+    options: &Options,
+) -> Result<()> {
     out.findings.rest_norm = rest.norm;
     out.findings.rest_acc = rest.acc;
     out.findings.rest_gyro_sigma = rest.gyro_sigma;
@@ -300,7 +307,7 @@ fn judge_values(out: &mut Recording, window: usize, file: &str, options: &Option
             ),
         );
     }
-    axes_notes(out, &rest, window);
+    axes_notes(out, rest, window);
     Ok(())
 }
 
@@ -368,18 +375,15 @@ fn axes_notes(out: &mut Recording, rest: &judge::Rest, window: usize) {
 }
 
 fn clipping(out: &mut Recording) {
+    // An axis that only ever reads gravity, or a slow turn, is not at its range's end.
+    let floors = if out.counts { (0.0, 0.0) } else { (1.5 * G, 1.9) };
+    let (acc, acc_level) = judge::clipped(&out.acc_m_s2, floors.0);
+    let (gyro, gyro_level) = judge::clipped(&out.gyro_rad_s, floors.1);
     for axis in 0..3 {
-        let (count, level) = judge::clipped(out.acc_m_s2.iter().map(|v| v[axis]));
-        // An axis that only ever reads gravity is not at its range's end.
-        if count > 0 && (out.counts || level > 1.5 * G) {
-            out.findings.clipped[axis] = count;
-            out.findings.clip_level[axis] = level;
-        }
-        let (count, level) = judge::clipped(out.gyro_rad_s.iter().map(|v| v[axis]));
-        if count > 0 && (out.counts || level > 1.9) {
-            out.findings.clipped[3 + axis] = count;
-            out.findings.clip_level[3 + axis] = level;
-        }
+        out.findings.clipped[axis] = acc[axis];
+        out.findings.clip_level[axis] = acc_level[axis];
+        out.findings.clipped[3 + axis] = gyro[axis];
+        out.findings.clip_level[3 + axis] = gyro_level[axis];
     }
     let total: usize = out.findings.clipped.iter().sum();
     if total > 0 {

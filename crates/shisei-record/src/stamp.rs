@@ -36,7 +36,7 @@ pub(crate) fn looks_like(text: &[u8]) -> bool {
     text.len() >= 4
         && text.len() <= 48
         && text.first().is_some_and(u8::is_ascii_digit)
-        && text.iter().filter(|b| **b == b':').count() >= 1
+        && text.contains(&b':')
         && parse(text).is_some()
         || text.len() >= 15 && text.first().is_some_and(u8::is_ascii_digit) && parse(text).is_some()
 }
@@ -164,8 +164,7 @@ fn clock(text: &[u8]) -> Option<(i64, usize)> {
     if text.is_empty() {
         return Some((0, 3));
     }
-    let separators = text.iter().filter(|b| **b == b':').count();
-    if separators == 0 {
+    if !text.contains(&b':') {
         // 103127, 103127_812, 10-31-27_812
         let plain: Vec<&[u8]> = text.split(|b| matches!(b, b'_' | b'.' | b'-')).collect();
         return match plain.as_slice() {

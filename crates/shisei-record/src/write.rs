@@ -70,7 +70,7 @@ fn fixed(out: &mut Vec<u8>, value: f64, places: u8) {
     // Exact product with room to spare: the rounding of the product cannot move it over a half.
     let whole = scaled.trunc();
     let rest = scaled - whole;
-    let clear = rest < 0.4999 || rest > 0.5001;
+    let clear = !(0.4999..=0.5001).contains(&rest);
     if !(scaled < 4.5e12 && clear) {
         if value.is_finite() {
             // Rare: ties, large numbers.

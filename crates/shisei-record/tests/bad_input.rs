@@ -1,4 +1,5 @@
 //! Every kind of bad input has its sentence, with its place, in both languages.
+#![allow(clippy::format_collect)] // small test tables
 
 use shisei_record::{Input, Lang, Options, Problem, open};
 

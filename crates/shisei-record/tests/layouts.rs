@@ -1,5 +1,6 @@
 //! The same values whatever the layout: order of columns, separator, decimal sign, line ends, byte-order
 //! mark, units rows, trailing separators, preambles.
+#![allow(clippy::struct_excessive_bools)] // each is one switch of the layout
 
 use proptest::prelude::*;
 use shisei_record::{Input, Options, open};

@@ -1,4 +1,6 @@
 //! What is written reads back to the same bits: CSV and Parquet; kept columns; Parquet of other makers.
+#![allow(clippy::disallowed_methods)] // numbers to read back; their own bits do not matter
+#![allow(clippy::format_push_string)] // small test tables
 
 use shisei_record::write::{Decimals, recording_csv};
 use shisei_record::{Input, Options, Recording, open};

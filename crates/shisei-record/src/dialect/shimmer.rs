@@ -42,7 +42,7 @@ fn mend(sheet: &Sheet<'_>, reading: &mut Reading) {
     // Several devices in one file stay apart by their id.
     if devices.len() > 1 {
         for (m, id) in reading.meanings.iter_mut().zip(&ids) {
-            m.label = format!("{id} {}", m.label).trim().to_owned();
+            m.label = if m.label.is_empty() { id.clone() } else { format!("{id} {}", m.label) };
         }
     }
 }
