@@ -9,6 +9,14 @@ use crate::error::{Error, Result};
 use crate::filter::positive;
 
 #[cfg(feature = "alloc")]
+pub mod advice;
+#[cfg(feature = "alloc")]
+pub mod analysis;
+#[cfg(feature = "alloc")]
+pub mod direction;
+#[cfg(feature = "alloc")]
+pub mod fits;
+#[cfg(feature = "alloc")]
 mod mean;
 
 #[cfg(feature = "alloc")]

@@ -136,7 +136,7 @@ impl<const N: usize> Fit<N> {
 /// Levenberg–Marquardt (Marquardt's diagonal damping). `system(p)` returns the normal equations at p.
 ///
 /// [`Error::Degenerate`] when the normal matrix has no inverse at the minimum, [`Error::NoConvergence`] after
-/// 200 iterations without settling to 1e-12 of the parameters' standard errors.
+/// 500 iterations that did not settle.
 pub fn levenberg_marquardt<const N: usize>(
     start: [f64; N],
     mut system: impl FnMut(&[f64; N]) -> Normal<N>,
@@ -145,7 +145,7 @@ pub fn levenberg_marquardt<const N: usize>(
     let mut now = system(&p);
     let first_cost = now.cost;
     let mut lambda = 1e-3;
-    for iteration in 1..=200 {
+    for iteration in 1..=500 {
         if !now.cost.is_finite() {
             return Err(Error::NoConvergence);
         }
@@ -173,6 +173,7 @@ pub fn levenberg_marquardt<const N: usize>(
         let better = next.cost.is_finite() && next.cost <= now.cost;
         // the second bound is for data without noise, whose cost ends in rounding
         let small = decrement.abs() <= 1e-14 * now.cost || decrement.abs() <= 1e-26 * first_cost;
+        let settled = better && now.cost - next.cost <= 1e-13 * now.cost && lambda < 1.0;
         if better {
             p = trial;
             now = next;
@@ -180,7 +181,7 @@ pub fn levenberg_marquardt<const N: usize>(
         } else {
             lambda *= 10.0;
         }
-        if small || (!better && lambda > 1e12) {
+        if small || settled || (!better && lambda > 1e12) {
             return Ok(Fit {
                 parameters: p,
                 inverse_normal: inverse_spd(&now.matrix)?,
