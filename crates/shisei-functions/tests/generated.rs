@@ -7,6 +7,8 @@ mod c;
 mod calc;
 #[path = "generated/examples.rs"]
 mod examples;
+#[path = "generated/excel.rs"]
+mod excel;
 #[path = "generated/python.rs"]
 mod python;
 #[path = "generated/vba.rs"]
@@ -74,4 +76,9 @@ fn calc_description() {
 #[test]
 fn python_stubs() {
     ensure("crates/shisei-python/python/shisei/sheet.pyi", &python::stubs());
+}
+
+#[test]
+fn excel_exports() {
+    ensure("crates/shisei-excel/src/exports.rs", &excel::exports());
 }
