@@ -18,6 +18,7 @@ extern crate alloc;
 #[cfg(feature = "alloc")]
 pub mod allan;
 pub mod error;
+pub mod estimator;
 pub mod euler;
 pub mod filter;
 pub mod heading;
