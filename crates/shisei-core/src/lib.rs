@@ -20,6 +20,7 @@ pub mod allan;
 pub mod calibration;
 pub mod earth;
 pub mod error;
+pub mod estimator;
 pub mod euler;
 pub mod filter;
 pub mod heading;

@@ -1,0 +1,345 @@
+//! One filter: a sample moves its nominal state, the end of an interval moves its covariance and applies what is
+//! known of the motion.
+
+use super::calibration::Calibration;
+use super::covariance::{Covariance, Measured, Transition, transition};
+use super::guard::Reading;
+use super::model::{BA, BG, Corrected, Interval, LEVER, MG, Nominal, PHI, POS, SA, VEL};
+use super::settings::Model;
+use crate::filter::exponential::{advance, exp_half};
+use crate::quaternion::Quaternion;
+use crate::vector::{self, Vec3};
+
+/// An optical pose of a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OpticalPose {
+    /// Attitude of the sensor, world from body.
+    pub world_from_body: Quaternion,
+    /// Position of the optical body's point, m, world.
+    pub position_m: Vec3,
+}
+
+/// How well optical poses are known, and what the lever arm may be.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct OpticalNoise {
+    pub attitude_rad: f64,
+    pub position_m: f64,
+    pub lever_m: f64,
+}
+
+/// Most measurements at the end of an interval.
+pub(super) const MEASUREMENTS: usize = 9;
+
+/// What a measurement is of: one error state, or a combination.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Row<const N: usize> {
+    State(usize),
+    Mixed([f64; N]),
+}
+
+/// What the end of an interval did, kept for the backward pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step<const N: usize> {
+    pub transition: Transition,
+    pub count: usize,
+    pub measured: [(Row<N>, Measured<N>); MEASUREMENTS],
+}
+
+impl<const N: usize> Step<N> {
+    pub fn empty() -> Self {
+        let none = Measured { u: [0.0; N], root: 0.0, innovation: 0.0 };
+        Step {
+            transition: [[0.0; super::model::STATES]; 9],
+            count: 0,
+            measured: [(Row::State(0), none); MEASUREMENTS],
+        }
+    }
+
+    fn keep(&mut self, row: Row<N>, measured: Measured<N>) {
+        if let Some(slot) = self.measured.get_mut(self.count) {
+            *slot = (row, measured);
+            self.count += 1;
+        }
+    }
+}
+
+/// Time over which the speed is averaged, s.
+const SPEED_MEAN_S: f64 = 1.0;
+/// What a rate may be that was not read, rad/s, and an acceleration, m/s².
+const BLIND_RATE: f64 = 1.0;
+const BLIND_FORCE: f64 = 5.0;
+/// At rest a rate farther from the bias than this many standard deviations says that the bias jumped.
+const JUMP_SIGMAS: f64 = 6.0;
+/// Start of velocity and position: standard deviations, m/s and m.
+const VELOCITY_START: f64 = 0.3;
+const POSITION_START: f64 = 0.3;
+/// Heading is zero at the start by definition; not quite, so that the covariance stays regular. rad.
+const HEADING_START: f64 = 1e-3;
+
+/// Nominal state, covariance, and the interval under way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Engine<const N: usize> {
+    pub model: Model,
+    pub gravity: f64,
+    pub nominal: Nominal,
+    pub covariance: Covariance<N>,
+    pub sums: Interval,
+    /// Mean square of the speed, (m/s)².
+    speed_squared: f64,
+    /// The sample before: rate, acceleration, and acceleration without gravity in the world.
+    last: Option<(Vec3, Vec3, Vec3)>,
+}
+
+impl<const N: usize> Engine<N> {
+    /// Starts level to `sigma_tilt`, rad, with what is known of the sensor.
+    pub fn new(
+        model: &Model,
+        gravity: f64,
+        known: Option<&Calibration>,
+        world_from_body: Quaternion,
+        sigma_tilt: f64,
+        lever_m: f64,
+    ) -> Self {
+        let mut covariance = Covariance::zero();
+        match known {
+            Some(known) => known.start_covariance(model, &mut covariance),
+            None => {
+                covariance.set_diagonal(BG, 3, model.gyro_bias_start);
+                covariance.set_diagonal(BA, 3, model.acc_bias_start);
+                covariance.set_diagonal(MG, 9, model.gyro_matrix_start);
+                covariance.set_diagonal(SA, 3, model.acc_scale_start);
+            }
+        }
+        covariance.set_diagonal(LEVER, N - LEVER, lever_m);
+        let mut engine = Engine {
+            model: *model,
+            gravity,
+            nominal: Nominal::new(world_from_body),
+            covariance,
+            sums: Interval::default(),
+            speed_squared: 0.0,
+            last: None,
+        };
+        engine.covariance.restart_moving(moving_sigmas(sigma_tilt, HEADING_START));
+        engine
+    }
+
+    /// Starts level anew, as after a gap; what was learnt of the sensor stays. The attitude's heading gets the
+    /// standard deviation `sigma_more`, rad, on top of what it had.
+    pub fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64, sigma_more: f64) {
+        let heading = self.covariance.0[PHI + 2][PHI + 2] + sigma_more * sigma_more;
+        self.covariance.restart_moving(moving_sigmas(sigma_tilt, crate::math::sqrt(heading)));
+        self.nominal.world_from_body = world_from_body;
+        self.nominal.velocity = [0.0; 3];
+        self.nominal.position = [0.0; 3];
+        self.sums = Interval::default();
+        self.speed_squared = 0.0;
+        self.last = None;
+    }
+
+    /// Moves the nominal state by a reading.
+    #[inline]
+    pub fn add(&mut self, reading: &Reading) {
+        let dt = reading.dt_s;
+        let now = (reading.gyro, reading.acc);
+        let (gyro_before, acc_before, linear_before) = self.last.unwrap_or((now.0, now.1, [0.0; 3]));
+        let first = self.last.is_none();
+        // What of the step lies outside the time for which the sample stands, the sample before stands for.
+        let share = if first { 0.0 } else { reading.irregular };
+        let gyro_change = vector::sub(now.0, gyro_before);
+        let acc_change = vector::sub(now.1, acc_before);
+        let gyro = vector::sub(now.0, vector::scale(gyro_change, share));
+
+        let rate = self.nominal.rate(gyro);
+        let quarter = vector::scale(rate, 0.25 * dt);
+        let middle = advance(self.nominal.world_from_body, quarter);
+        let q = advance(middle, quarter);
+        let delay = self.model.acc_delay_s;
+        let at_force = if delay == 0.0 { q } else { q.product(exp_half(vector::scale(rate, 0.5 * delay))) };
+        let at_force = at_force.to_matrix();
+        let f = self.nominal.force(now.1);
+        let force_world =
+            [vector::dot(at_force[0], f), vector::dot(at_force[1], f), vector::dot(at_force[2], f)];
+        let corrected =
+            Corrected { gyro, acc: now.1, rate, force_world, middle: middle.to_matrix(), at_force };
+        let mut linear = [force_world[0], force_world[1], force_world[2] - self.gravity];
+        if !reading.acc_known {
+            linear = [0.0; 3];
+            self.sums.blind_force_s += dt;
+        }
+        if !reading.gyro_known {
+            self.sums.blind_rate_s += dt;
+        }
+        self.last = Some((now.0, now.1, linear));
+        if !first && share != 0.0 {
+            linear = vector::sub(linear, vector::scale(vector::sub(linear, linear_before), share));
+        }
+        self.sums.add(&corrected, linear, dt);
+        self.sums.acc_change_squared += vector::dot(acc_change, acc_change) * dt * dt;
+        self.sums.rate_change_squared += vector::dot(gyro_change, gyro_change) * dt * dt;
+
+        let n = &mut self.nominal;
+        n.world_from_body = q;
+        n.position = vector::add(n.position, vector::scale(n.velocity, dt));
+        n.velocity = vector::add(n.velocity, vector::scale(linear, dt));
+        if self.model.position_forget_s > 0.0 {
+            let keep = 1.0 - (dt / self.model.position_forget_s).min(1.0);
+            n.position = vector::scale(n.position, keep);
+        }
+    }
+
+    /// Ends the interval: covariance, measurements, nominal state.
+    pub fn close(
+        &mut self,
+        rest: bool,
+        optical: Option<(&OpticalPose, &OpticalNoise)>,
+        record: Option<&mut Step<N>>,
+    ) {
+        let sums = core::mem::take(&mut self.sums);
+        let t = sums.time_s;
+        if t <= 0.0 {
+            return;
+        }
+        let keep = match self.model.position_forget_s {
+            forget if forget > 0.0 => 1.0 - (t / forget).min(1.0),
+            _ => 1.0,
+        };
+        let phi = transition(&sums, keep);
+        self.covariance.propagate(&phi);
+        self.add_noise(&sums);
+        let v = self.nominal.velocity;
+        self.speed_squared += (t / SPEED_MEAN_S).min(1.0) * (vector::dot(v, v) - self.speed_squared);
+
+        let mut spare = Step::empty();
+        let step = record.unwrap_or(&mut spare);
+        step.transition = phi;
+        step.count = 0;
+        let mut error = [0.0; N];
+        match optical {
+            Some((pose, noise)) => self.measure_pose(pose, noise, &mut error, step),
+            None => self.measure_bounds(rest, t, &mut error, step),
+        }
+        if rest && sums.blind_rate_s == 0.0 {
+            self.measure_rest(&sums, &mut error, step);
+        }
+        self.nominal = self.nominal.moved(&error);
+    }
+
+    /// Bounded motion: velocity and position are zero, more or less.
+    fn measure_bounds(&mut self, rest: bool, t: f64, error: &mut [f64; N], step: &mut Step<N>) {
+        let m = &self.model;
+        let sq = |x: f64| x * x;
+        let speed = if rest {
+            sq(m.rest_speed)
+        } else if m.speed_share > 0.0 {
+            (sq(m.speed_share) * self.speed_squared).max(sq(m.speed_floor))
+        } else {
+            0.0
+        };
+        let place = sq(m.position_spread);
+        for (density, first, value) in
+            [(speed, VEL, self.nominal.velocity), (place, POS, self.nominal.position)]
+        {
+            if density > 0.0 {
+                for j in 0..3 {
+                    let measured = self.covariance.measure(error, first + j, -value[j], density / t);
+                    step.keep(Row::State(first + j), measured);
+                }
+            }
+        }
+    }
+
+    /// At rest the mean rate is the bias.
+    fn measure_rest(&mut self, sums: &Interval, error: &mut [f64; N], step: &mut Step<N>) {
+        let mean = vector::scale(sums.gyro, 1.0 / sums.time_s);
+        let r = self.model.rest_rate * self.model.rest_rate / sums.time_s;
+        for j in 0..3 {
+            let at = BG + j;
+            let z = mean[j] - self.nominal.gyro_bias[j];
+            let off = z - error[at];
+            if off * off > JUMP_SIGMAS * JUMP_SIGMAS * (self.covariance.0[at][at] + r) {
+                self.covariance.0[at][at] += off * off;
+            }
+            let measured = self.covariance.measure(error, at, z, r);
+            step.keep(Row::State(at), measured);
+        }
+    }
+
+    /// The pose is the optical one: `φ = log(q_opt q*)`, `p_opt = p + R l`.
+    fn measure_pose(
+        &mut self,
+        pose: &OpticalPose,
+        noise: &OpticalNoise,
+        error: &mut [f64; N],
+        step: &mut Step<N>,
+    ) {
+        let q = self.nominal.world_from_body;
+        let turn = pose.world_from_body.product(q.conjugate()).to_rotation_vector();
+        for j in 0..3 {
+            let r = noise.attitude_rad * noise.attitude_rad;
+            let measured = self.covariance.measure(error, PHI + j, turn[j], r);
+            step.keep(Row::State(PHI + j), measured);
+        }
+        let matrix = q.to_matrix();
+        let arm = q.rotate(self.nominal.lever);
+        let off = vector::sub(vector::sub(pose.position_m, self.nominal.position), arm);
+        // d(Exp(φ) R l) = φ × R l
+        let cross = [[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]];
+        for j in 0..3 {
+            let mut h = [0.0; N];
+            h[POS + j] = 1.0;
+            for l in 0..3 {
+                h[PHI + l] = cross[j][l];
+                if let Some(slot) = h.get_mut(LEVER + l) {
+                    *slot = matrix[j][l];
+                }
+            }
+            let r = noise.position_m * noise.position_m;
+            let measured = self.covariance.measure_row(error, &h, off[j], r);
+            step.keep(Row::Mixed(h), measured);
+        }
+    }
+
+    fn add_noise(&mut self, sums: &Interval) {
+        let m = &self.model;
+        let t = sums.time_s;
+        let sq = |x: f64| x * x;
+        let turning = sq(m.noise_per_rate) * sums.rate_squared
+            + sq(m.noise_per_rate_change) * sums.rate_change_squared
+            + sq(BLIND_RATE * sums.blind_rate_s);
+        let acc = sq(m.velocity_noise) * t
+            + sq(m.velocity_noise_per_change) * sums.acc_change_squared
+            + sq(BLIND_FORCE * sums.blind_force_s);
+        let p = &mut self.covariance.0;
+        for j in 0..3 {
+            let own = if j < 2 { m.tilt_noise } else { m.heading_noise };
+            p[PHI + j][PHI + j] += sq(own) * t + turning;
+            p[VEL + j][VEL + j] += acc;
+            p[POS + j][POS + j] += acc * t * t / 3.0 + 1e-10;
+            p[BG + j][BG + j] += sq(m.gyro_bias_walk) * t;
+            p[BA + j][BA + j] += sq(m.acc_bias_walk) * t;
+        }
+        for k in MG..SA {
+            p[k][k] += sq(m.gyro_matrix_walk) * t;
+        }
+    }
+
+    /// False where the numbers no longer describe a sensor that is held by somebody.
+    pub fn is_sound(&self) -> bool {
+        let n = &self.nominal;
+        let within = |v: Vec3, limit: f64| v.iter().all(|x| x.abs() <= limit);
+        n.is_finite()
+            && self.covariance.is_sound()
+            && within(n.velocity, 100.0)
+            && within(n.position, 1000.0)
+            && within(n.gyro_bias, 0.5)
+            && within(n.acc_bias, 3.0)
+            && n.gyro_matrix.iter().all(|&row| within(row, 0.2))
+            && within(n.acc_scale, 0.2)
+    }
+}
+
+fn moving_sigmas(tilt: f64, heading: f64) -> [f64; 9] {
+    let (v, p) = (VELOCITY_START, POSITION_START);
+    [tilt, tilt, heading, v, v, v, p, p, p]
+}

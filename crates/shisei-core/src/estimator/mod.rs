@@ -1,0 +1,17 @@
+//! The estimator: attitude with its uncertainty, from a gyroscope and an accelerometer.
+mod calibration;
+mod covariance;
+mod engine;
+mod guard;
+mod level;
+mod model;
+mod online;
+mod rest;
+mod runner;
+mod settings;
+pub use calibration::{CALIBRATION_STATES, Calibration};
+pub use engine::OpticalPose;
+pub use guard::Sample;
+pub use online::{Estimator, State};
+pub use rest::RestLimits;
+pub use settings::{Model, Settings};

@@ -1,0 +1,208 @@
+//! Filters on a stream of samples: start, gaps, rests, and the watch that starts them anew when what they say
+//! can no longer be.
+
+use super::engine::{Engine, OpticalNoise, OpticalPose, Step};
+use super::guard::{Checked, Guard, Sample};
+use super::level::Leveller;
+use super::model::Nominal;
+use super::rest::RestFinder;
+use super::settings::{Model, Settings};
+use crate::math;
+use crate::quaternion::Quaternion;
+use crate::vector::{self, Vec3};
+
+/// What became of a sample.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Event {
+    /// It was of no use.
+    Useless,
+    /// It begins the search for the level, at the start or after a gap.
+    LevelBegins,
+    /// It helps to find the level.
+    Levelling,
+    /// It completes the level: the filters run again.
+    Levelled,
+    /// It moved the filters.
+    Moved,
+    /// It moved them and ended an interval.
+    Closed,
+    /// As `Closed`, and the filters are given up: the next sample begins anew, nothing learnt.
+    GivenUp,
+}
+
+/// The mean specific force in the world is watched with this time constant, s.
+const WATCH_S: f64 = 2.0;
+/// No one accelerates by this share of gravity on average over such a time.
+const WATCH_SHARE: f64 = 0.35;
+/// How long it must look so, s.
+const WATCH_HOLD_S: f64 = 1.0;
+/// What the heading may have turned by when the filters are given up, rad.
+const GIVEN_UP_HEADING: f64 = 1.0;
+
+/// E filters of N error states on the same samples.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Runner<const N: usize, const E: usize> {
+    pub settings: Settings,
+    pub engines: [Engine<N>; E],
+    pub level: Option<Leveller>,
+    pub at_rest: bool,
+    guard: Guard,
+    rest: RestFinder,
+    started: bool,
+    /// What the heading may have turned by since the filters were given up, rad.
+    given_up: Option<f64>,
+    force_mean: Vec3,
+    strange_s: f64,
+    lever_m: f64,
+}
+
+impl<const N: usize, const E: usize> Runner<N, E> {
+    pub fn new(settings: &Settings, models: [&Model; E], lever_m: f64) -> Self {
+        let start = |model: &Model| Self::fresh(settings, model, lever_m);
+        Runner {
+            settings: *settings,
+            engines: models.map(start),
+            level: None,
+            at_rest: false,
+            guard: Guard::default(),
+            rest: RestFinder::default(),
+            started: false,
+            given_up: None,
+            force_mean: [0.0, 0.0, settings.gravity_m_s2],
+            strange_s: 0.0,
+            lever_m,
+        }
+    }
+
+    fn fresh(settings: &Settings, model: &Model, lever_m: f64) -> Engine<N> {
+        let known = settings.calibration.as_ref();
+        let sigma = settings.level_sigma_rad;
+        Engine::new(model, settings.gravity_m_s2, known, Quaternion::IDENTITY, sigma, lever_m)
+    }
+
+    /// Takes a sample. `rest` overrules the search for rests; `pose` is the optical pose of the sample; `record`
+    /// receives what the end of an interval did in the first filter.
+    pub fn take(
+        &mut self,
+        sample: &Sample,
+        rest: Option<bool>,
+        pose: Option<(&OpticalPose, &OpticalNoise)>,
+        record: Option<&mut Step<N>>,
+    ) -> Event {
+        let (reading, gap_s) = match self.guard.check(sample, &self.settings) {
+            Checked::Useless => return Event::Useless,
+            Checked::Next(reading) => (reading, None),
+            Checked::AfterGap(reading, gap_s) => (reading, Some(gap_s)),
+        };
+        if gap_s.is_some() {
+            self.rest.restart();
+        }
+        let limits = self.settings.rest;
+        let found = self.rest.update(&limits, reading.gyro, reading.acc, reading.dt_s);
+        self.at_rest = rest.unwrap_or(found);
+        let begins = gap_s.is_some() || self.given_up.is_some() || (self.level.is_none() && !self.started);
+        if begins {
+            let turned = gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s + self.given_up.unwrap_or(0.0);
+            let more = self.level.map_or(0.0, |level| level.heading_more);
+            let more = math::sqrt(turned * turned + more * more).min(core::f64::consts::PI);
+            let from = self.started.then(|| self.engines[0].nominal.world_from_body);
+            self.level = Some(Leveller::new(from, more));
+            self.given_up = None;
+        }
+        if let Some(level) = &mut self.level {
+            let nominal = &self.engines[0].nominal;
+            level.add(&reading, nominal.rate(reading.gyro), nominal.force(reading.acc));
+            let level = *level;
+            if level.time_s + 0.5 * reading.dt_s < self.settings.level_s && pose.is_none() {
+                return if begins { Event::LevelBegins } else { Event::Levelling };
+            }
+            self.start(&level, pose.map(|(pose, _)| pose));
+            return Event::Levelled;
+        }
+        for engine in &mut self.engines {
+            engine.add(&reading);
+        }
+        let due = self.engines[0].sums.time_s + 0.5 * reading.dt_s >= self.settings.update_s;
+        if due { self.close(pose, record) } else { Event::Moved }
+    }
+
+    /// Ends the level: all filters go on from there, each with its own heading.
+    fn start(&mut self, level: &Leveller, pose: Option<&OpticalPose>) {
+        let sigma = level.sigma(self.settings.level_sigma_rad, self.settings.gravity_m_s2);
+        let first = self.engines[0].nominal.world_from_body;
+        for engine in &mut self.engines {
+            let own = heading_between(engine.nominal.world_from_body, first);
+            let mut q = own.product(level.attitude()).normalized();
+            if let Some(pose) = pose {
+                q = pose.world_from_body;
+            }
+            engine.restart(q, sigma, level.heading_more);
+            if let Some(pose) = pose {
+                engine.nominal.position = vector::sub(pose.position_m, q.rotate(engine.nominal.lever));
+            }
+        }
+        self.level = None;
+        self.started = true;
+        self.strange_s = 0.0;
+        self.force_mean = [0.0, 0.0, self.settings.gravity_m_s2];
+    }
+
+    fn close(
+        &mut self,
+        pose: Option<(&OpticalPose, &OpticalNoise)>,
+        mut record: Option<&mut Step<N>>,
+    ) -> Event {
+        self.watch();
+        for engine in &mut self.engines {
+            engine.close(self.at_rest, pose, record.take());
+        }
+        if self.strange_s <= WATCH_HOLD_S && self.engines.iter().all(Engine::is_sound) {
+            return Event::Closed;
+        }
+        for engine in &mut self.engines {
+            let q = engine.nominal.world_from_body;
+            let mut fresh = Self::fresh(&self.settings, &engine.model, self.lever_m);
+            fresh.nominal = Nominal::new(if q.is_finite() { q } else { Quaternion::IDENTITY });
+            fresh.covariance.0[2][2] = engine.covariance.0[2][2].clamp(0.0, 4.0);
+            if !fresh.covariance.0[2][2].is_finite() {
+                fresh.covariance.0[2][2] = 4.0;
+            }
+            *engine = fresh;
+        }
+        self.given_up = Some(GIVEN_UP_HEADING);
+        Event::GivenUp
+    }
+
+    /// Looks whether the specific force, as the attitude sees it, still is gravity on average.
+    fn watch(&mut self) {
+        let sums = &self.engines[0].sums;
+        if sums.blind_force_s > 0.0 || sums.time_s <= 0.0 {
+            return;
+        }
+        let share = (sums.time_s / WATCH_S).min(1.0);
+        let now = vector::scale(sums.force, 1.0 / sums.time_s);
+        self.force_mean =
+            vector::add(self.force_mean, vector::scale(vector::sub(now, self.force_mean), share));
+        let g = self.settings.gravity_m_s2;
+        let off = vector::norm(vector::sub(self.force_mean, [0.0, 0.0, g]));
+        self.strange_s = if off <= WATCH_SHARE * g { 0.0 } else { self.strange_s + sums.time_s };
+    }
+
+    /// The attitude of the first filter, or of the level while it is being found.
+    pub fn attitude(&self) -> Quaternion {
+        match &self.level {
+            Some(level) => level.attitude(),
+            None => self.engines[0].nominal.world_from_body,
+        }
+    }
+}
+
+/// The turn about the world's z that brings the heading of `from` nearest to that of `to`.
+pub(super) fn heading_between(to: Quaternion, from: Quaternion) -> Quaternion {
+    let d = to.product(from.conjugate());
+    let n = math::hypot(d.w, d.z);
+    if n < 1e-9 {
+        return Quaternion::IDENTITY;
+    }
+    Quaternion::new(d.w / n, 0.0, 0.0, d.z / n)
+}
