@@ -25,6 +25,8 @@ pub enum Command {
     Calibrate(Calibrate),
     /// Apply a calibration to a recording
     Apply(Apply),
+    /// Write a recording in shisei's own columns, as CSV or Parquet
+    Convert(Convert),
 }
 
 /// How to read the input where it does not say so itself.
@@ -101,7 +103,7 @@ pub struct Orient {
     /// Recordings or directories of them; - is standard input
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
-    /// Where the orientation goes (default: NAME.orientation.csv here); a directory for several files; - is standard output
+    /// Where the orientation goes, .csv or .parquet (default: NAME.orientation.csv here); a directory for several files; - is standard output
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -208,6 +210,24 @@ pub struct Apply {
     pub calibration: PathBuf,
     /// Where the corrected recording goes; - is standard output
     #[arg(short, long, value_name = "OUT.csv", required = true)]
+    pub output: PathBuf,
+    #[command(flatten)]
+    pub reading: Reading,
+    /// Keep the input's other columns in the output
+    #[arg(long)]
+    pub keep: bool,
+    /// Overwrite a file that shisei did not write
+    #[arg(long)]
+    pub force: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Convert {
+    /// A recording: one file, or an accelerometer file and a gyroscope file; - is standard input
+    #[arg(required = true, value_name = "FILE")]
+    pub files: Vec<PathBuf>,
+    /// Where it goes: .csv or .parquet; - is standard output (CSV)
+    #[arg(short, long, value_name = "OUT", required = true)]
     pub output: PathBuf,
     #[command(flatten)]
     pub reading: Reading,

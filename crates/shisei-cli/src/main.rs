@@ -8,10 +8,9 @@ mod cmd;
 mod fail;
 mod input;
 mod lang;
-mod orientation_csv;
 mod output;
-mod recording_csv;
 mod summary;
+mod tables;
 
 use std::process::ExitCode;
 
@@ -69,6 +68,7 @@ fn run(arguments: &[std::ffi::OsString], lang: Lang) -> Outcome<()> {
         Command::Orient(args) => cmd::orient::run(args, lang),
         Command::Calibrate(args) => cmd::calibrate::run(&args, lang),
         Command::Apply(args) => cmd::apply::run(&args, lang),
+        Command::Convert(args) => cmd::convert::run(&args, lang),
     }
 }
 

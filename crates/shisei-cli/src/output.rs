@@ -21,6 +21,8 @@ pub enum Kind {
     Png,
     /// A calibration.
     Calibration,
+    /// A table as Parquet; its footer says who made it.
+    Parquet,
 }
 
 impl Kind {
@@ -32,6 +34,7 @@ impl Kind {
             Kind::Html => has("name=\"generator\" content=\"shisei"),
             Kind::Png => head.starts_with(b"\x89PNG") && has("shisei"),
             Kind::Calibration => has("\"shisei-calibration\""),
+            Kind::Parquet => head.starts_with(b"PAR1"),
         }
     }
 }

@@ -23,7 +23,7 @@ pub struct Report<'a> {
     orientation: &'a Orientation,
     title: String,
     sources: Vec<String>,
-    ypr_rad: Vec<[f64; 3]>,
+    ypr_rad: &'a [[f64; 3]],
     rests: Vec<(f64, f64)>,
     gaps: Vec<(f64, f64)>,
     facts: Vec<(String, String)>,
@@ -37,6 +37,7 @@ pub fn report<'a>(
     source: &Source,
     recording: &'a Recording,
     orientation: &'a Orientation,
+    ypr_rad: &'a [[f64; 3]],
     warnings: &'a [String],
 ) -> Report<'a> {
     let lang = plan.lang;
@@ -51,7 +52,7 @@ pub fn report<'a>(
         orientation,
         title: say(lang, format!("Orientation of {}", source.stem()), format!("{} の姿勢", source.stem())),
         sources,
-        ypr_rad: (0..recording.len()).map(|k| orientation.ypr(k).to_array()).collect(),
+        ypr_rad,
         rests: orientation.rest.iter().map(|r| (time(r.start), time(r.end.saturating_sub(1)))).collect(),
         gaps: recording.findings.gaps.iter().map(|gap| (gap.from_s, gap.from_s + gap.length_s)).collect(),
         facts: facts(plan, recording, orientation),
@@ -67,7 +68,7 @@ impl Report<'_> {
             title: &self.title,
             source_names: &self.sources,
             time_s: &self.recording.time_s,
-            ypr_rad: &self.ypr_rad,
+            ypr_rad: self.ypr_rad,
             world_from_body: &self.orientation.world_from_body,
             acc_m_s2: &self.recording.acc_m_s2,
             gyro_rad_s: &self.recording.gyro_rad_s,
@@ -184,9 +185,8 @@ pub fn of_one(plan: &Plan, done: &Done) -> String {
         .iter()
         .enumerate()
     {
-        let (least, most) = (0..done.recording.len())
-            .map(|k| done.orientation.ypr(k).to_array()[axis] * DEG_PER_RAD)
-            .fold((f64::INFINITY, f64::NEG_INFINITY), |(least, most), v| (least.min(v), most.max(v)));
+        let (least, most) = done.angle_ranges[axis];
+        let (least, most) = (least * DEG_PER_RAD, most * DEG_PER_RAD);
         let range = say(lang, format!("{least:.1}° to {most:.1}°"), format!("{least:.1}°〜{most:.1}°"));
         let _ = writeln!(text, "  {}{range}", padded(name, 24));
     }

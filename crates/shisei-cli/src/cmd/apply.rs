@@ -7,7 +7,7 @@ use crate::calibration;
 use crate::fail::{Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
-use crate::recording_csv;
+use crate::tables::{self, Format};
 
 /// Runs the command.
 pub fn run(args: &Apply, lang: Lang) -> Outcome<()> {
@@ -18,12 +18,14 @@ pub fn run(args: &Apply, lang: Lang) -> Outcome<()> {
     }
     let inputs = args.files.iter().chain([&args.calibration]).cloned().collect();
     let writer = Writer { force: args.force, lang, inputs };
-    writer.check(&args.output, Kind::Recording)?;
+    let format = Format::of(&args.output);
+    let kind = format.kind(Kind::Recording);
+    writer.check(&args.output, kind)?;
     let file = calibration::read(&args.calibration, lang)?;
     let source = Source { paths: args.files.clone() };
     let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     calibration::apply(&file, &mut recording, lang)?;
-    writer.write(&args.output, Kind::Recording, |out| recording_csv::write(out, &recording))?;
+    writer.write(&args.output, kind, |out| tables::recording(out, format, &recording))?;
     if !is_stdout(&args.output) {
         eprintln!(
             "{}",

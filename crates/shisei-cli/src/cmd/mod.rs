@@ -2,5 +2,6 @@
 
 pub mod apply;
 pub mod calibrate;
+pub mod convert;
 pub mod info;
 pub mod orient;

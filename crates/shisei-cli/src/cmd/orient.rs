@@ -14,7 +14,10 @@ use crate::calibration;
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source, Unopened};
 use crate::output::{self, Kind, Writer};
-use crate::{batch, orientation_csv, summary};
+use crate::tables::{self, Format};
+use crate::{batch, summary};
+
+const DEG_PER_RAD: f64 = 180.0 / std::f64::consts::PI;
 
 /// Everything that is the same for all files of a run.
 #[derive(Debug)]
@@ -42,6 +45,8 @@ pub struct Done {
     pub source: Source,
     pub recording: Recording,
     pub orientation: Orientation,
+    /// Least and greatest yaw, pitch, roll, rad.
+    pub angle_ranges: [(f64, f64); 3],
     pub warnings: Vec<String>,
     pub outputs: Vec<PathBuf>,
 }
@@ -118,7 +123,9 @@ fn plan(args: Orient, lang: Lang) -> Outcome<Plan> {
 pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopened> {
     let lang = plan.lang;
     let refuse = Unopened::File;
-    plan.writer.check(&places.csv, Kind::Orientation).map_err(refuse)?;
+    let format = Format::of(&places.csv);
+    let kind = format.kind(Kind::Orientation);
+    plan.writer.check(&places.csv, kind).map_err(refuse)?;
     for (path, kind) in [(&places.html, Kind::Html), (&places.png, Kind::Png)] {
         if let Some(path) = path {
             plan.writer.check(path, kind).map_err(refuse)?;
@@ -130,7 +137,8 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     }
     let orientation = compute(plan, source, &recording).map_err(refuse)?;
     let warnings = warnings(plan, &recording, &orientation);
-    let report = summary::report(plan, source, &recording, &orientation, &warnings);
+    let ypr_rad: Vec<[f64; 3]> = (0..recording.len()).map(|k| orientation.ypr(k).to_array()).collect();
+    let report = summary::report(plan, source, &recording, &orientation, &ypr_rad, &warnings);
 
     // Everything is made under temporary names before anything is in its place.
     let drawn = |error: shisei_report::Error| refuse(Failure::input(error.message(lang)));
@@ -147,12 +155,25 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
         staged.push(plan.writer.stage(path, Kind::Png, |out| out.write_all(&picture)).map_err(refuse)?);
         outputs.push(path.clone());
     }
-    let csv = |out: &mut dyn std::io::Write| {
-        orientation_csv::write(out, &recording, &orientation, plan.args.degrees)
+    let (unit, factor) = if plan.args.degrees { ("deg", DEG_PER_RAD) } else { ("rad", 1.0) };
+    let table = |out: &mut dyn std::io::Write| {
+        let angles: Vec<[f64; 3]> = ypr_rad.iter().map(|ypr| ypr.map(|angle| angle * factor)).collect();
+        tables::orientation(out, format, &recording, &orientation.world_from_body, &angles, unit)
     };
-    staged.push(plan.writer.stage(&places.csv, Kind::Orientation, csv).map_err(refuse)?);
+    staged.push(plan.writer.stage(&places.csv, kind, table).map_err(refuse)?);
     plan.writer.finish(staged).map_err(refuse)?;
-    Ok(Done { source: source.clone(), recording, orientation, warnings, outputs })
+    let angle_ranges = ranges(&ypr_rad);
+    Ok(Done { source: source.clone(), recording, orientation, angle_ranges, warnings, outputs })
+}
+
+fn ranges(ypr_rad: &[[f64; 3]]) -> [(f64, f64); 3] {
+    let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+    for ypr in ypr_rad {
+        for (range, &angle) in ranges.iter_mut().zip(ypr) {
+            *range = (range.0.min(angle), range.1.max(angle));
+        }
+    }
+    ranges
 }
 
 fn compute(plan: &Plan, source: &Source, recording: &Recording) -> Outcome<Orientation> {

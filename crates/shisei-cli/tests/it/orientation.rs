@@ -161,6 +161,27 @@ fn our_own_output_is_overwritten_and_nothing_else() {
 }
 
 #[test]
+fn converted_to_parquet_and_back_the_orientation_is_the_same() {
+    let desk = Desk::new();
+    let pelvis = example("pelvis.csv");
+    assert_eq!(desk.run(&["orient", &pelvis, "--no-report", "-o", "a.csv"]).code, 0);
+    for name in ["own.csv", "own.parquet"] {
+        let ran = desk.run(&["convert", &pelvis, "-o", name]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let ran = desk.run(&["orient", name, "--no-report", "-o", "b.csv"]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        // Steps are now differences of written times: the same to rounding.
+        let (a, b) = (numbers(&desk.text("a.csv")).1, numbers(&desk.text("b.csv")).1);
+        let worst =
+            a.iter().flatten().zip(b.iter().flatten()).map(|(x, y)| (x - y).abs()).fold(0.0, f64::max);
+        assert!(worst < 1e-12, "{name}: {worst}");
+    }
+    let ran = desk.run(&["orient", &pelvis, "--no-report", "-o", "a.parquet"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(std::fs::read(desk.file("a.parquet")).unwrap().starts_with(b"PAR1"));
+}
+
+#[test]
 fn help_exists_in_both_languages() {
     let desk = Desk::new();
     for command in [

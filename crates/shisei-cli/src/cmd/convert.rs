@@ -1,0 +1,36 @@
+//! `shisei convert`: any recording in our own columns.
+
+use shisei_core::Lang;
+
+use crate::args::Convert;
+use crate::fail::{Outcome, say};
+use crate::input::{self, Source};
+use crate::output::{Kind, Writer, is_stdout};
+use crate::tables::{self, Format};
+
+/// Runs the command.
+pub fn run(args: &Convert, lang: Lang) -> Outcome<()> {
+    let mut options = input::options(&args.reading, lang)?;
+    if args.keep {
+        options.keep = vec!["*".to_owned()];
+    }
+    let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
+    let format = Format::of(&args.output);
+    let kind = format.kind(Kind::Recording);
+    writer.check(&args.output, kind)?;
+    let source = Source { paths: args.files.clone() };
+    let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    writer.write(&args.output, kind, |out| tables::recording(out, format, &recording))?;
+    for note in &recording.assumptions {
+        eprintln!("  {} {}", say(lang, "assumed:", "仮定："), note.sentence(lang));
+    }
+    for note in &recording.warnings {
+        eprintln!("  {} {}", say(lang, "warning:", "注意："), note.sentence(lang));
+    }
+    if !is_stdout(&args.output) {
+        let rows = recording.len();
+        eprintln!("{}", say(lang, format!("{rows} samples"), format!("{rows} サンプル")));
+        eprintln!("→ {}", args.output.display());
+    }
+    Ok(())
+}
