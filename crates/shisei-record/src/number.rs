@@ -10,21 +10,16 @@ const TEN: [f64; 23] = [
     1e19, 1e20, 1e21, 1e22,
 ];
 
-/// Value of eight ASCII digits held little-endian in a word (first digit in the lowest byte).
+/// Powers of ten of up to eight digits.
+const TEN_INTEGER: [u64; 9] = [1, 10, 100, 1_000, 10_000, 100_000, 1_000_000, 10_000_000, 100_000_000];
+
+/// Value of eight digits (0 to 9 a byte) held little-endian in a word: the first digit in the lowest byte.
 #[inline]
-fn eight_digits(word: u64) -> u64 {
-    let mut v = word.wrapping_sub(0x3030_3030_3030_3030);
+fn eight_digits(mut v: u64) -> u64 {
     v = v.wrapping_mul(10).wrapping_add(v >> 8);
     let low = (v & 0x0000_00FF_0000_00FF).wrapping_mul(0x000F_4240_0000_0064);
     let high = ((v >> 16) & 0x0000_00FF_0000_00FF).wrapping_mul(0x0000_2710_0000_0001);
     low.wrapping_add(high) >> 32
-}
-
-/// True when all eight bytes are ASCII digits.
-#[inline]
-fn all_digits(word: u64) -> bool {
-    (word & 0xF0F0_F0F0_F0F0_F0F0) == 0x3030_3030_3030_3030
-        && (word.wrapping_add(0x0606_0606_0606_0606) & 0xF0F0_F0F0_F0F0_F0F0) == 0x3030_3030_3030_3030
 }
 
 #[inline]
@@ -33,15 +28,23 @@ fn word_at(bytes: &[u8], at: usize) -> Option<u64> {
     Some(u64::from_le_bytes(chunk))
 }
 
-/// Reads digits from `at` into `mantissa`; returns the position after them.
+/// Reads digits from `at` into `mantissa`; returns the position after them. Up to eight at a time: the
+/// digits before the first other byte are moved to the word's end, so that zeros lead.
 #[inline]
 fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     while let Some(word) = word_at(bytes, at) {
-        if !all_digits(word) {
-            break;
+        let values = word ^ 0x3030_3030_3030_3030;
+        let others = (values.wrapping_add(0x0606_0606_0606_0606) | values) & 0xF0F0_F0F0_F0F0_F0F0;
+        let count = (others.trailing_zeros() / 8) as usize;
+        if count == 0 {
+            return at;
         }
-        *mantissa = mantissa.wrapping_mul(100_000_000).wrapping_add(eight_digits(word));
-        at += 8;
+        let value = eight_digits(values << (64 - 8 * count));
+        *mantissa = mantissa.wrapping_mul(TEN_INTEGER[count]).wrapping_add(value);
+        at += count;
+        if count < 8 {
+            return at;
+        }
     }
     while let Some(digit) = bytes.get(at).map(|b| b.wrapping_sub(b'0')).filter(|d| *d < 10) {
         *mantissa = mantissa.wrapping_mul(10).wrapping_add(u64::from(digit));

@@ -379,12 +379,12 @@ fn clipping(out: &mut Recording) {
     let floors = if out.counts { (0.0, 0.0) } else { (1.5 * G, 1.9) };
     let (acc, acc_level) = judge::clipped(&out.acc_m_s2, floors.0);
     let (gyro, gyro_level) = judge::clipped(&out.gyro_rad_s, floors.1);
-    for axis in 0..3 {
-        out.findings.clipped[axis] = acc[axis];
-        out.findings.clip_level[axis] = acc_level[axis];
-        out.findings.clipped[3 + axis] = gyro[axis];
-        out.findings.clip_level[3 + axis] = gyro_level[axis];
-    }
+    let [ax, ay, az] = acc;
+    let [gx, gy, gz] = gyro;
+    out.findings.clipped = [ax, ay, az, gx, gy, gz];
+    let [ax, ay, az] = acc_level;
+    let [gx, gy, gz] = gyro_level;
+    out.findings.clip_level = [ax, ay, az, gx, gy, gz];
     let total: usize = out.findings.clipped.iter().sum();
     if total > 0 {
         out.warn(
