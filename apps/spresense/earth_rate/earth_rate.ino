@@ -225,10 +225,12 @@ static void begin_stream(Mode m) {
   mode = m;
 }
 
-// The number after a letter, up to the line end; -1 when there is none within a second.
+// The number after a letter, up to the line end; -1 when it is none or does not end within a second. A line with
+// anything else in it is read to its end, so that its letters are not taken for commands.
 static long number() {
   char text[12];
   size_t n = 0;
+  bool good = true;
   const unsigned long start = millis();
   while (millis() - start < 1000) {
     if (!Serial.available()) continue;
@@ -236,10 +238,10 @@ static long number() {
     if (c == '\r') continue;
     if (c == '\n') {
       text[n] = 0;
-      return n ? atol(text) : -1;
+      return good && n ? atol(text) : -1;
     }
-    if (c < '0' || c > '9' || n + 1 >= sizeof(text)) return -1;
-    text[n++] = (char)c;
+    good = good && c >= '0' && c <= '9' && n + 1 < sizeof(text);
+    if (good) text[n++] = (char)c;
   }
   return -1;
 }

@@ -119,6 +119,8 @@ int SerialPort::available() {
       if (::read(0, &c, 1) == 1) in.push_back(c); else exit(0);
     }
     now_ms += 0.01;
+  } else {
+    now_ms += 0.1; // time goes on while the sketch waits for a line
   }
   return (int)in.size();
 }

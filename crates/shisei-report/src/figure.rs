@@ -174,8 +174,10 @@ impl Figure {
                 high[axis] = middle + 0.5 * span;
             }
         }
-        let mx = Map { low: low[0], high: high[0], from: LEFT, to: LEFT + inner, log: self.x.scale == Scale::Log };
-        let my = Map { low: low[1], high: high[1], from: TOP + height, to: TOP, log: self.y.scale == Scale::Log };
+        let mx =
+            Map { low: low[0], high: high[0], from: LEFT, to: LEFT + inner, log: self.x.scale == Scale::Log };
+        let my =
+            Map { low: low[1], high: high[1], from: TOP + height, to: TOP, log: self.y.scale == Scale::Log };
         let total = TOP + height + BOTTOM;
         let mut out = format!(
             "<svg class=\"figure\" role=\"img\" aria-label=\"{}\" viewBox=\"0 0 {WIDTH} {total}\" \
@@ -269,7 +271,8 @@ fn draw(out: &mut String, item: &Item, mx: &Map, my: &Map) {
         Item::Dots { points, tone, labels } => {
             for (i, p) in points.iter().enumerate() {
                 let Some([x, y]) = at(p[0], p[1]) else { continue };
-                let _ = write!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{}\"/>", colour(*tone));
+                let _ =
+                    write!(out, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3\" fill=\"{}\"/>", colour(*tone));
                 if let Some(label) = labels.get(i) {
                     let _ = write!(
                         out,

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use serde_json::json;
-use shisei_core::allan::{self, Analysis};
 use shisei_core::Lang;
+use shisei_core::allan::{self, Analysis};
 use shisei_report::figure::{Figure, Item};
 use shisei_report::page::{Block, Page};
 use shisei_report::plot::{Axis, Scale, Tone};
@@ -44,8 +44,14 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     if missing > 0.01 {
         return Err(Failure::condition(say(
             lang,
-            format!("{shown}: {:.0} % of the time has no samples; the Allan deviation needs a recording without gaps", 100.0 * missing),
-            format!("{shown}：時間の {:.0} % でサンプルが欠けています。アラン偏差には欠落のない記録が必要です", 100.0 * missing),
+            format!(
+                "{shown}: {:.0} % of the time has no samples; the Allan deviation needs a recording without gaps",
+                100.0 * missing
+            ),
+            format!(
+                "{shown}：時間の {:.0} % でサンプルが欠けています。アラン偏差には欠落のない記録が必要です",
+                100.0 * missing
+            ),
         )));
     }
     let dt_s = 1.0 / found.rate_hz;
@@ -57,7 +63,8 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     ] {
         for (axis, name) in names.into_iter().enumerate() {
             let rate: Vec<f64> = series.iter().map(|v| v[axis]).collect();
-            let analysis = allan::analyse(&rate, dt_s).map_err(|e| Failure::core(&format!("{shown} {name}"), e, lang))?;
+            let analysis = allan::analyse(&rate, dt_s)
+                .map_err(|e| Failure::core(&format!("{shown} {name}"), e, lang))?;
             channels.push(Channel { name, unit, analysis });
         }
     }
@@ -148,7 +155,9 @@ fn rows(channels: &[Channel], lang: Lang) -> Vec<Vec<String>> {
 fn head(lang: Lang) -> Vec<String> {
     match lang {
         Lang::En => ["axis", "random walk", "bias instability", "rate random walk (SI/√s)", "average for"],
-        Lang::Ja => ["軸", "ランダムウォーク", "バイアス安定度", "レートランダムウォーク (SI/√s)", "平均時間の目安"],
+        Lang::Ja => {
+            ["軸", "ランダムウォーク", "バイアス安定度", "レートランダムウォーク (SI/√s)", "平均時間の目安"]
+        }
     }
     .map(str::to_owned)
     .to_vec()

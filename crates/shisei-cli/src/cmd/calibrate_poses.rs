@@ -48,7 +48,9 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
     let shown = source.shown();
     let core = |error| refused(&shown, error, args, lang);
     let found = match (args.method, args.turns) {
-        (CalibrationMethod::GyroTurns, Some(degrees)) => known(args, &recording, degrees, lang).map_err(core)?,
+        (CalibrationMethod::GyroTurns, Some(degrees)) => {
+            known(args, &recording, degrees, lang).map_err(core)?
+        }
         (method, _) => poses(args, &recording, method == CalibrationMethod::GyroTurns, lang).map_err(core)?,
     };
     writer.write(&output, Kind::Calibration, |out| out.write_all(found.file.to_json().as_bytes()))?;
@@ -102,7 +104,12 @@ fn refused(shown: &str, error: Error, args: &Calibrate, lang: Lang) -> Failure {
     failure
 }
 
-fn new_file(args: &Calibrate, calibration: Calibration, method: &str, recording: &Recording) -> CalibrationFile {
+fn new_file(
+    args: &Calibrate,
+    calibration: Calibration,
+    method: &str,
+    recording: &Recording,
+) -> CalibrationFile {
     let created = jiff::Timestamp::now().round(jiff::Unit::Second).map(|t| t.to_string()).unwrap_or_default();
     let mut file = CalibrationFile::new(calibration, method, args.gravity, &created);
     if let Some(sensor) =
@@ -169,10 +176,26 @@ fn poses(args: &Calibrate, recording: &Recording, turns: bool, lang: Lang) -> Re
         }),
     );
     let mut lines = vec![
-        say(lang, format!("{} still poses", found.segments.len()), format!("静止姿勢 {} 個", found.segments.len())),
-        format!("{}: {}", say(lang, "accelerometer bias", "加速度のバイアス"), triple(c.accelerometer.bias, acc_sigma.bias, "m/s²")),
-        format!("{}: {}", say(lang, "accelerometer matrix", "加速度の行列"), matrix_text(&c.accelerometer.matrix)),
-        format!("{}: {}", say(lang, "gyroscope bias", "ジャイロのバイアス"), triple(gyroscope.bias, gyro_sigma.bias, "rad/s")),
+        say(
+            lang,
+            format!("{} still poses", found.segments.len()),
+            format!("静止姿勢 {} 個", found.segments.len()),
+        ),
+        format!(
+            "{}: {}",
+            say(lang, "accelerometer bias", "加速度のバイアス"),
+            triple(c.accelerometer.bias, acc_sigma.bias, "m/s²")
+        ),
+        format!(
+            "{}: {}",
+            say(lang, "accelerometer matrix", "加速度の行列"),
+            matrix_text(&c.accelerometer.matrix)
+        ),
+        format!(
+            "{}: {}",
+            say(lang, "gyroscope bias", "ジャイロのバイアス"),
+            triple(gyroscope.bias, gyro_sigma.bias, "rad/s")
+        ),
         format!(
             "{}: {:.5} m/s², {}: {:.5} m/s²",
             say(lang, "residual", "残差"),
@@ -182,7 +205,11 @@ fn poses(args: &Calibrate, recording: &Recording, turns: bool, lang: Lang) -> Re
         ),
     ];
     if let Some(g) = &gyro_part {
-        lines.push(format!("{}: {}", say(lang, "gyroscope matrix", "ジャイロの行列"), matrix_text(&g.gyroscope.matrix)));
+        lines.push(format!(
+            "{}: {}",
+            say(lang, "gyroscope matrix", "ジャイロの行列"),
+            matrix_text(&g.gyroscope.matrix)
+        ));
         lines.push(format!(
             "{}: {:.3}°, {}: {:.3}°",
             say(lang, "direction after the turns off by", "回転後の向きのずれ"),
@@ -220,7 +247,8 @@ fn bias_only(found: &PosesFound) -> (SensorModel, SensorModel) {
     let (mut bias, mut sigma) = ([0.0; 3], [0.0; 3]);
     for i in 0..3 {
         bias[i] = found.segments.iter().map(|s| s.gyro_mean[i]).sum::<f64>() / n;
-        let scatter: f64 = found.segments.iter().map(|s| (s.gyro_mean[i] - bias[i]) * (s.gyro_mean[i] - bias[i])).sum();
+        let scatter: f64 =
+            found.segments.iter().map(|s| (s.gyro_mean[i] - bias[i]) * (s.gyro_mean[i] - bias[i])).sum();
         sigma[i] = math::sqrt(scatter / ((n - 1.0).max(1.0) * n));
     }
     (SensorModel { bias, ..SensorModel::IDENTITY }, SensorModel { bias: sigma, matrix: [[0.0; 3]; 3] })
@@ -245,24 +273,43 @@ fn direction(up: Vec3, lang: Lang) -> String {
 
 /// Longitude and latitude of the directions that pointed up, and of those to add.
 fn coverage(found: &PosesFound, add: &[Vec3], lang: Lang) -> Block {
-    let on_map = |u: Vec3| [math::atan2(u[1], u[0]).to_degrees(), math::asin(u[2].clamp(-1.0, 1.0)).to_degrees()];
+    let on_map =
+        |u: Vec3| [math::atan2(u[1], u[0]).to_degrees(), math::asin(u[2].clamp(-1.0, 1.0)).to_degrees()];
     let ups = found.segments.iter().filter_map(|s| {
         let a = found.calibration.accelerometer.apply(s.acc_mean);
         let n = vector::norm(a);
         (n > 0.0).then(|| on_map(vector::scale(a, 1.0 / n)))
     });
     let heading = say(lang, "Directions that pointed up", "上を向いた方向");
-    let axes = [([1.0, 0.0, 0.0], "+x"), ([-1.0, 0.0, 0.0], "-x"), ([0.0, 1.0, 0.0], "+y"), ([0.0, -1.0, 0.0], "-y"), ([0.0, 0.0, 1.0], "+z"), ([0.0, 0.0, -1.0], "-z")];
+    let axes = [
+        ([1.0, 0.0, 0.0], "+x"),
+        ([-1.0, 0.0, 0.0], "-x"),
+        ([0.0, 1.0, 0.0], "+y"),
+        ([0.0, -1.0, 0.0], "-y"),
+        ([0.0, 0.0, 1.0], "+z"),
+        ([0.0, 0.0, -1.0], "-z"),
+    ];
     Block::Figure {
         figure: Figure {
             description: heading.clone(),
-            x: Axis::linear(&say(lang, "angle about z from +x towards +y", "+x から +y への z 軸まわりの角度"), "°"),
+            x: Axis::linear(
+                &say(lang, "angle about z from +x towards +y", "+x から +y への z 軸まわりの角度"),
+                "°",
+            ),
             y: Axis::linear(&say(lang, "angle above the x-y plane", "x-y 平面からの角度"), "°"),
             equal: false,
             items: vec![
-                Item::Dots { points: axes.iter().map(|a| on_map(a.0)).collect(), tone: Tone::Plain, labels: axes.iter().map(|a| a.1.to_owned()).collect() },
+                Item::Dots {
+                    points: axes.iter().map(|a| on_map(a.0)).collect(),
+                    tone: Tone::Plain,
+                    labels: axes.iter().map(|a| a.1.to_owned()).collect(),
+                },
                 Item::Dots { points: ups.collect(), tone: Tone::Z, labels: Vec::new() },
-                Item::Dots { points: add.iter().map(|u| on_map(*u)).collect(), tone: Tone::X, labels: Vec::new() },
+                Item::Dots {
+                    points: add.iter().map(|u| on_map(*u)).collect(),
+                    tone: Tone::X,
+                    labels: Vec::new(),
+                },
             ],
             legend: vec![
                 (Tone::Z, say(lang, "measured", "計測済み")),
@@ -301,12 +348,31 @@ fn known(args: &Calibrate, recording: &Recording, degrees: f64, lang: Lang) -> R
         accelerometer: SensorModel { bias: result.acc_bias_sigma, matrix: [[0.0; 3]; 3] },
         gyroscope: SensorModel { bias: result.gyro_bias_sigma, matrix: [[0.0; 3]; 3] },
     });
-    file.set("checks", json!({ "turns_deg": degrees, "gyro_per_acceleration": result.gyro_per_acceleration }));
+    file.set(
+        "checks",
+        json!({ "turns_deg": degrees, "gyro_per_acceleration": result.gyro_per_acceleration }),
+    );
     let lines = vec![
-        format!("{}: {}", say(lang, "accelerometer bias", "加速度のバイアス"), triple(result.accelerometer.bias, result.acc_bias_sigma, "")),
-        format!("{}: {}", say(lang, "accelerometer matrix", "加速度の行列"), matrix_text(&result.accelerometer.matrix)),
-        format!("{}: {}", say(lang, "gyroscope bias", "ジャイロのバイアス"), triple(result.gyroscope.bias, result.gyro_bias_sigma, "")),
-        format!("{}: {}", say(lang, "gyroscope matrix", "ジャイロの行列"), matrix_text(&result.gyroscope.matrix)),
+        format!(
+            "{}: {}",
+            say(lang, "accelerometer bias", "加速度のバイアス"),
+            triple(result.accelerometer.bias, result.acc_bias_sigma, "")
+        ),
+        format!(
+            "{}: {}",
+            say(lang, "accelerometer matrix", "加速度の行列"),
+            matrix_text(&result.accelerometer.matrix)
+        ),
+        format!(
+            "{}: {}",
+            say(lang, "gyroscope bias", "ジャイロのバイアス"),
+            triple(result.gyroscope.bias, result.gyro_bias_sigma, "")
+        ),
+        format!(
+            "{}: {}",
+            say(lang, "gyroscope matrix", "ジャイロの行列"),
+            matrix_text(&result.gyroscope.matrix)
+        ),
     ];
     let warnings = vec![say(
         lang,

@@ -312,7 +312,12 @@ fn page(args: &Motion, recording: &Recording, track: &Track, shown: &str, lang: 
         ],
         warnings,
         plots: vec![
-            plot("Position with its 1-sigma band", "位置 (1σ の誤差幅)", "m", series("p", &track.position_m, Some(&track.sigma_position_m))),
+            plot(
+                "Position with its 1-sigma band",
+                "位置 (1σ の誤差幅)",
+                "m",
+                series("p", &track.position_m, Some(&track.sigma_position_m)),
+            ),
             plot("Velocity", "速度", "m/s", series("v", &track.velocity_m_s, None)),
         ],
         attitude: None,
