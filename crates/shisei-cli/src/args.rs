@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+pub use crate::args_measure::{Allan, CalibrationMethod, Earth, Motion, MotionMode, SchemeName};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 /// Orientation, motion and calibration from accelerometer and gyroscope recordings.
@@ -21,12 +22,18 @@ pub enum Command {
     Info(Info),
     /// Compute orientation: yaw, pitch and roll of a recording, as numbers and as a picture
     Orient(Orient),
-    /// Find accelerometer bias and scale and gyroscope bias from rests on six faces
+    /// Find a sensor's calibration: from rests on six faces, from many poses, or from known turns
     Calibrate(Calibrate),
     /// Apply a calibration to a recording
     Apply(Apply),
     /// Write a recording in shisei's own columns, as CSV or Parquet
     Convert(Convert),
+    /// Compute velocity and position with an error band: between rests, or walking with the sensor on a foot
+    Motion(Motion),
+    /// Allan deviation of all axes: noise, bias instability, how long to average
+    Allan(Allan),
+    /// Measure the Earth's rotation: the day, the latitude, true north
+    Earth(Earth),
 }
 
 /// How to read the input where it does not say so itself.
@@ -166,7 +173,7 @@ pub struct Orient {
 
 #[derive(Args, Debug)]
 pub struct Calibrate {
-    /// A recording with rests of 3 s or more on all six faces
+    /// A recording with rests of 3 s or more on all six faces, or with many still poses
     #[arg(required = true, value_name = "FILE")]
     pub files: Vec<PathBuf>,
     /// Where the calibration goes (default: NAME.calibration.json here); - is standard output
@@ -174,6 +181,18 @@ pub struct Calibrate {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
+    /// How: six-face (bias and scale from rests on six faces), multi-pose (nine parameters from many poses), gyro-turns (the gyroscope's matrix too)
+    #[arg(long, value_enum, default_value = "six-face")]
+    pub method: CalibrationMethod,
+    /// gyro-turns: six faces and one known turn about each axis, of this many degrees; a negative angle is taken with its sign
+    #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
+    pub turns: Option<f64>,
+    /// Where the report goes (multi-pose and gyro-turns; default: NAME.calibration.html here)
+    #[arg(long, value_name = "OUT.html")]
+    pub report: Option<PathBuf>,
+    /// Write no report
+    #[arg(long, conflicts_with = "report")]
+    pub no_report: bool,
     /// Length of a rest, s
     #[arg(long, value_name = "S", default_value_t = 3.0)]
     pub window: f64,

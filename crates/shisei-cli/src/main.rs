@@ -2,6 +2,7 @@
 
 mod args;
 mod args_ja;
+mod args_measure;
 mod batch;
 mod calibration;
 mod cmd;
@@ -69,6 +70,9 @@ fn run(arguments: &[std::ffi::OsString], lang: Lang) -> Outcome<()> {
         Command::Calibrate(args) => cmd::calibrate::run(&args, lang),
         Command::Apply(args) => cmd::apply::run(&args, lang),
         Command::Convert(args) => cmd::convert::run(&args, lang),
+        Command::Motion(args) => cmd::motion::run(&args, lang),
+        Command::Allan(args) => cmd::allan::run(&args, lang),
+        Command::Earth(args) => cmd::earth::run(&args, lang),
     }
 }
 

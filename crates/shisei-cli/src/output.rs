@@ -23,6 +23,10 @@ pub enum Kind {
     Calibration,
     /// A table as Parquet; its footer says who made it.
     Parquet,
+    /// CSV with the motion columns.
+    Motion,
+    /// Another table: Allan curves, directions.
+    Table,
 }
 
 impl Kind {
@@ -33,6 +37,10 @@ impl Kind {
             Kind::Recording => head.starts_with(b"time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z"),
             Kind::Html => has("name=\"generator\" content=\"shisei"),
             Kind::Png => head.starts_with(b"\x89PNG") && has("shisei"),
+            Kind::Motion => head.starts_with(b"time_s,vel_x,vel_y,vel_z,pos_x,pos_y,pos_z,sigma_pos_m"),
+            Kind::Table => {
+                head.starts_with(b"axis,tau_s,deviation,") || head.starts_with(b"gyr_x,gyr_y,gyr_z,sigma_x,")
+            }
             Kind::Calibration => has("\"shisei-calibration\""),
             Kind::Parquet => head.starts_with(b"PAR1"),
         }

@@ -29,6 +29,7 @@ pub mod plan;
 pub mod recording;
 mod settle;
 pub mod sheet;
+pub mod spresense_stream;
 pub mod stamp;
 pub mod units;
 mod words;

@@ -14,6 +14,7 @@ pub mod decimate;
 mod encode;
 mod error;
 pub mod escape;
+pub mod figure;
 pub mod orientation;
 pub mod page;
 pub mod plot;

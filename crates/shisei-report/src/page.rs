@@ -55,6 +55,13 @@ pub enum Block {
         /// Cells; the first of a row names it.
         rows: Vec<Vec<String>>,
     },
+    /// A still figure.
+    Figure {
+        /// Heading.
+        heading: String,
+        /// What it shows.
+        figure: crate::figure::Figure,
+    },
     /// A list of sentences.
     List {
         /// Heading.
@@ -272,6 +279,14 @@ fn write_block(out: &mut String, block: &Block, text: &Text) {
                 out.push_str("</tr>\n");
             }
             out.push_str("</tbody></table></div>\n</section>\n");
+        }
+        Block::Figure { heading, figure } => {
+            let _ = writeln!(
+                out,
+                "<section>\n<h2>{}</h2>\n{}\n</section>",
+                html(&limited(heading)),
+                figure.to_svg()
+            );
         }
         Block::List { heading, items } => {
             let _ = writeln!(out, "<section class=\"block\">\n<h2>{}</h2>\n<ul>", html(&limited(heading)));

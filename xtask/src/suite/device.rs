@@ -1,4 +1,4 @@
-//! A Cortex-M4F, emulated: the same bits as the host.
+//! A Cortex-M4F, emulated: the same bits as the host; and the Spresense sketch, on this machine and for the board.
 
 use std::time::Duration;
 
@@ -6,24 +6,65 @@ use super::Suite;
 use crate::cross::CORTEX_M4F;
 use crate::digests;
 use crate::needs::{Apt, Needs};
-use crate::project::Project;
+use crate::project::{Project, on_path};
 use crate::run::{Run, heading, must, output_within};
 
 pub const SUITE: Suite = Suite {
     name: "device",
-    about: "the core's digest on an emulated Cortex-M4F",
+    about: "the core's digest on an emulated Cortex-M4F, and the Spresense sketch",
     needs: |project| {
         let mut needs = CORTEX_M4F.needs(project);
         needs.apt.push(Apt::program("qemu-system-arm", "qemu-system-arm"));
         needs
     },
-    wants: |_| Needs::default(),
+    wants: |_| Needs {
+        apt: vec![
+            Apt::program("g++", "g++"),
+            Apt::program("gcc-arm-none-eabi", "arm-none-eabi-g++"),
+            Apt::file("libnewlib-arm-none-eabi", "/usr/include/newlib/stdint.h"),
+        ],
+        ..Needs::default()
+    },
     run,
 };
 
 fn run(run: &mut Run<'_>) {
     heading("digest on Cortex-M4F");
     digests::compare(run, CORTEX_M4F.triple, emulate(run.project));
+    heading("Spresense sketch");
+    spresense(run);
+}
+
+/// The sketch on this machine against a fake sensor, and compiled for the board against stub headers.
+fn spresense(run: &mut Run<'_>) {
+    let folder = run.project.root.join("apps/spresense");
+    let out = run.project.target().join("spresense");
+    if let Err(error) = std::fs::create_dir_all(&out) {
+        run.fail("spresense", &error.to_string());
+        return;
+    }
+    if on_path("g++") {
+        let program = out.join("host_test");
+        let mut build = run.project.command("g++");
+        build.args(["-std=c++14", "-O1", "-Wall", "-Wextra", "-Werror", "-I"]);
+        build.arg(folder.join("test/stubs")).arg(folder.join("test/host_test.cpp")).arg("-o").arg(&program);
+        if run.step("the sketch builds for this machine", &mut build) {
+            let mut test = run.project.command(&program);
+            run.step("the sketch against a fake sensor", &mut test);
+        }
+    } else {
+        run.skip("the sketch against a fake sensor", "g++ is not here");
+    }
+    if on_path("arm-none-eabi-g++") {
+        let mut build = run.project.command("arm-none-eabi-g++");
+        build.args(["-std=gnu++14", "-mcpu=cortex-m4", "-mthumb", "-mfloat-abi=hard", "-mfpu=fpv4-sp-d16"]);
+        build.args(["-Os", "-Wall", "-Wextra", "-Werror", "-x", "c++", "-c", "-I"]);
+        build.arg(folder.join("test/stubs")).arg(folder.join("earth_rate/earth_rate.ino"));
+        build.arg("-o").arg(out.join("earth_rate.o"));
+        run.step("the sketch builds for the board", &mut build);
+    } else {
+        run.skip("the sketch builds for the board", "arm-none-eabi-g++ is not here");
+    }
 }
 
 fn emulate(project: &Project) -> Result<String, String> {

@@ -10,7 +10,7 @@ use shisei_core::{Lang, math};
 use shisei_record::Recording;
 use shisei_record::calibration::CalibrationFile;
 
-use crate::args::Calibrate;
+use crate::args::{Calibrate, CalibrationMethod};
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
@@ -20,6 +20,9 @@ const RAD_PER_DEG: f64 = std::f64::consts::PI / 180.0;
 
 /// Runs the command.
 pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
+    if args.method != CalibrationMethod::SixFace {
+        return super::calibrate_poses::run(args, lang);
+    }
     let options = input::options(&args.reading, lang)?;
     let source = Source { paths: args.files.clone() };
     let output =

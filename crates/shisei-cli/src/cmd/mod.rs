@@ -1,7 +1,13 @@
 //! One file a command.
 
+pub mod allan;
 pub mod apply;
 pub mod calibrate;
+mod calibrate_poses;
 pub mod convert;
+pub mod earth;
+mod earth_serial;
+mod earth_text;
 pub mod info;
+pub mod motion;
 pub mod orient;

@@ -1,0 +1,331 @@
+//! `shisei motion`: velocity and position with an error band.
+
+use std::io::{self, Write};
+use std::path::PathBuf;
+
+use serde_json::json;
+use shisei_core::filter::Dt;
+use shisei_core::motion::foot::{FootSettings, foot};
+use shisei_core::motion::navigation::{NavigationSettings, Phase, Track, navigate};
+use shisei_core::motion::rest_to_rest::{
+    MIN_REST_S, RestToRestSettings, check_rests, find_quiet_rests, rest_phases, rest_to_rest,
+};
+use shisei_core::motion::{DeadReckoning, Scheme};
+use shisei_core::{Error, Lang, Quaternion, Vec3, math, rest, vector};
+use shisei_record::Recording;
+use shisei_report::column::Column;
+use shisei_report::figure::{Figure, Item};
+use shisei_report::page::{Block, Page};
+use shisei_report::plot::{Axis, Mark, Plot, Series, SpanKind, Tone, spans};
+
+use crate::args::{Motion, MotionMode, SchemeName};
+use crate::calibration;
+use crate::fail::{Failure, Outcome, say};
+use crate::input::{self, Source};
+use crate::output::{Kind, Writer, is_stdout};
+
+/// How well a known end is known, m.
+const END_SIGMA_M: f64 = 0.005;
+
+/// Runs the command.
+pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
+    let options = input::options(&args.reading, lang)?;
+    let source = Source { paths: args.files.clone() };
+    let stem = source.stem();
+    let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.motion.csv")));
+    let report = (!args.no_report)
+        .then(|| args.report.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.motion.html"))));
+    let inputs = args.files.iter().chain(args.calibration.as_ref()).cloned().collect();
+    let writer = Writer { force: args.force, lang, inputs };
+    writer.check(&output, Kind::Motion)?;
+    if let Some(report) = &report {
+        writer.check(report, Kind::Html)?;
+    }
+    let end = end_point(args, lang)?;
+    let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    if let Some(path) = &args.calibration {
+        let file = calibration::read(path, lang)?;
+        calibration::apply(&file, &mut recording, lang)?;
+    }
+    let track = track(args, &recording, end).map_err(|e| Failure::core(&source.shown(), e, lang))?;
+    writer.write(&output, Kind::Motion, |out| write_csv(out, &recording, &track))?;
+    if let Some(path) = &report {
+        let page = page(args, &recording, &track, &source.shown(), lang);
+        writer.write(path, Kind::Html, |out| out.write_all(page.as_bytes()))?;
+    }
+    let last = track.position_m.len() - 1;
+    let p = track.position_m[last];
+    if args.json && !is_stdout(&output) {
+        println!(
+            "{}",
+            json!({
+                "mode": mode_name(args.mode),
+                "rows": track.position_m.len(),
+                "end_m": p,
+                "sigma_end_m": track.sigma_total_m(last),
+                "path_m": path_length(&track),
+                "longest_without_rest_s": track.longest_without_rest_s,
+                "output": output.display().to_string(),
+            })
+        );
+    }
+    let sigma = track.sigma_total_m(last);
+    eprintln!(
+        "{}",
+        say(
+            lang,
+            format!(
+                "end ({:.4}, {:.4}, {:.4}) m ± {sigma:.4} m (1 sigma); path {:.3} m; longest time without a rest {:.1} s",
+                p[0],
+                p[1],
+                p[2],
+                path_length(&track),
+                track.longest_without_rest_s
+            ),
+            format!(
+                "終点 ({:.4}, {:.4}, {:.4}) m ± {sigma:.4} m (1σ)。経路長 {:.3} m、静止のない最長時間 {:.1} 秒",
+                p[0],
+                p[1],
+                p[2],
+                path_length(&track),
+                track.longest_without_rest_s
+            ),
+        )
+    );
+    for path in [Some(&output), report.as_ref()].into_iter().flatten().filter(|p| !is_stdout(p)) {
+        eprintln!("→ {}", path.display());
+    }
+    Ok(())
+}
+
+fn mode_name(mode: MotionMode) -> &'static str {
+    match mode {
+        MotionMode::RestToRest => "rest-to-rest",
+        MotionMode::Foot => "foot",
+        MotionMode::Naive => "naive",
+    }
+}
+
+fn end_point(args: &Motion, lang: Lang) -> Outcome<Option<(Vec3, f64)>> {
+    if args.closed {
+        return Ok(Some(([0.0; 3], END_SIGMA_M)));
+    }
+    let Some(text) = &args.end else { return Ok(None) };
+    let numbers: Vec<f64> =
+        text.split(',').filter_map(|n| n.trim().parse().ok()).filter(|n: &f64| n.is_finite()).collect();
+    match numbers[..] {
+        [x, y, z] if text.split(',').count() == 3 => Ok(Some(([x, y, z], END_SIGMA_M))),
+        _ => Err(Failure::input(say(
+            lang,
+            format!("--end {text}: give three numbers in m, X,Y,Z"),
+            format!("--end {text}：X,Y,Z を m 単位の 3 つの数値で指定してください"),
+        ))),
+    }
+}
+
+fn track(args: &Motion, recording: &Recording, end: Option<(Vec3, f64)>) -> Result<Track, Error> {
+    let (acc, gyro) = (&recording.acc_m_s2, &recording.gyro_rad_s);
+    let dt = Dt::PerSample(&recording.dt_s);
+    let limit = |usual: f64| if args.force { f64::INFINITY } else { usual };
+    match args.mode {
+        MotionMode::RestToRest => {
+            let usual = RestToRestSettings::default();
+            let navigation = NavigationSettings { gravity_m_s2: args.gravity, end, ..usual.navigation };
+            let max_without_rest_s = limit(usual.max_without_rest_s);
+            rest_to_rest(acc, gyro, dt, &RestToRestSettings { navigation, max_without_rest_s, ..usual })
+        }
+        MotionMode::Foot => {
+            let usual = FootSettings::default();
+            let navigation = NavigationSettings { gravity_m_s2: args.gravity, end, ..usual.navigation };
+            let max_without_rest_s = limit(usual.max_without_rest_s);
+            foot(acc, gyro, dt, &FootSettings { navigation, max_without_rest_s, ..usual })
+        }
+        MotionMode::Naive => naive(args, recording, limit(RestToRestSettings::default().max_without_rest_s)),
+    }
+}
+
+/// The note's way: bias, gravity and attitude from the first rest, then step by step. The band is that of the
+/// navigator left to itself after that rest.
+fn naive(args: &Motion, recording: &Recording, limit_s: f64) -> Result<Track, Error> {
+    let (acc, gyro) = (&recording.acc_m_s2, &recording.gyro_rad_s);
+    let dt = Dt::PerSample(&recording.dt_s);
+    let rests = find_quiet_rests(acc, gyro, dt)?;
+    let first = rests.first().ok_or(Error::NoRest { needed_s: MIN_REST_S })?;
+    let phases = rest_phases(acc, gyro, dt, std::slice::from_ref(first), 0.2);
+    check_rests(&phases, dt, MIN_REST_S, limit_s)?;
+    let navigation = NavigationSettings { gravity_m_s2: args.gravity, ..NavigationSettings::default() };
+    let mut track = navigate(acc, gyro, dt, &phases, &navigation)?;
+    let at_rest: Vec<usize> = (0..phases.len()).filter(|k| phases[*k] == Phase::Rest).collect();
+    let (Some(&start), Some(&stop)) = (at_rest.first(), at_rest.last()) else {
+        return Err(Error::NoRest { needed_s: MIN_REST_S });
+    };
+    let up = rest::mean(&acc[start..=stop])?;
+    let gravity = rest::mean_norm(&acc[start..=stop])?;
+    let q = Quaternion::from_ypr(shisei_core::Ypr {
+        yaw_rad: 0.0,
+        pitch_rad: math::atan2(-up[0], math::hypot(up[1], up[2])),
+        roll_rad: math::atan2(up[1], up[2]),
+    });
+    let scheme = match args.scheme {
+        SchemeName::SemiImplicit => Scheme::SemiImplicit,
+        SchemeName::Euler => Scheme::Euler,
+        SchemeName::Trapezoid => Scheme::Trapezoid,
+    };
+    let mut dead = DeadReckoning::new(q, rest::gyro_bias(&gyro[start..=stop])?, gravity, scheme)?;
+    for k in 0..acc.len() {
+        let state = if k <= stop { dead.state() } else { dead.update(gyro[k], acc[k], dt.at(k)) };
+        track.velocity_m_s[k] = state.velocity_m_s;
+        track.position_m[k] = state.position_m;
+        track.world_from_body[k] = state.world_from_body;
+    }
+    Ok(track)
+}
+
+fn path_length(track: &Track) -> f64 {
+    track.position_m.windows(2).map(|p| vector::norm(vector::sub(p[1], p[0]))).sum()
+}
+
+fn write_csv(out: &mut dyn Write, recording: &Recording, track: &Track) -> io::Result<()> {
+    let mut buffer = zmij::Buffer::new();
+    let mut line = b"time_s,vel_x,vel_y,vel_z,pos_x,pos_y,pos_z,sigma_pos_m\n".to_vec();
+    for (k, &time_s) in recording.time_s.iter().enumerate() {
+        let (v, p) = (track.velocity_m_s[k], track.position_m[k]);
+        for (column, value) in
+            [time_s, v[0], v[1], v[2], p[0], p[1], p[2], track.sigma_total_m(k)].into_iter().enumerate()
+        {
+            if column > 0 {
+                line.push(b',');
+            }
+            line.extend_from_slice(buffer.format(value).as_bytes());
+        }
+        line.push(b'\n');
+        if line.len() > 1 << 16 {
+            out.write_all(&line)?;
+            line.clear();
+        }
+    }
+    out.write_all(&line)
+}
+
+fn page(args: &Motion, recording: &Recording, track: &Track, shown: &str, lang: Lang) -> String {
+    let time = &recording.time_s;
+    let mut still = Vec::new();
+    let mut start = None;
+    for k in 0..=time.len() {
+        let moving = track.phases.get(k).is_none_or(|p| *p == Phase::Moving);
+        match (moving, start) {
+            (false, None) => start = Some(k),
+            (true, Some(s)) => {
+                still.push((time[s], time[k - 1]));
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    let series = |rows: &'static str, data: &[Vec3], sigma: Option<&[Vec3]>| -> Vec<Series<'static>> {
+        [Tone::X, Tone::Y, Tone::Z]
+            .into_iter()
+            .enumerate()
+            .map(|(i, tone)| Series {
+                name: format!("{rows}{}", ["x", "y", "z"][i]),
+                tone,
+                mark: Mark::Line,
+                y: Column::Owned(data.iter().map(|v| v[i]).collect()),
+                sigma: sigma.map(|s| Column::Owned(s.iter().map(|v| v[i]).collect())),
+                factor: 1.0,
+                period: None,
+            })
+            .collect()
+    };
+    let plot = |en: &str, ja: &str, unit: &str, series| {
+        let heading = say(lang, en, ja);
+        Plot {
+            description: heading.clone(),
+            x_axis: Axis::linear(&say(lang, "Time", "時刻"), "s"),
+            y_axis: Axis::linear(&heading, unit),
+            heading,
+            x: Column::Slice(time),
+            series,
+            spans: spans(&still, SpanKind::Rest),
+        }
+    };
+    let last = track.position_m.len() - 1;
+    let stride = track.position_m.len().div_ceil(4000);
+    let path = |a: usize, b: usize| -> Vec<[f64; 2]> {
+        track.position_m.iter().step_by(stride).chain(track.position_m.last()).map(|p| [p[a], p[b]]).collect()
+    };
+    let figure = |en: &str, ja: &str, a: usize, b: usize| {
+        let heading = say(lang, en, ja);
+        let points = path(a, b);
+        let ends = [points.first(), points.last()].into_iter().flatten().copied().collect();
+        let names = ["x", "y", "z"];
+        Block::Figure {
+            figure: Figure {
+                description: heading.clone(),
+                x: Axis::linear(names[a], "m"),
+                y: Axis::linear(names[b], "m"),
+                equal: true,
+                items: vec![
+                    Item::Line { points, tone: Tone::Z, dashed: false },
+                    Item::Dots {
+                        points: ends,
+                        tone: Tone::X,
+                        labels: vec![say(lang, "start", "始点"), say(lang, "end", "終点")],
+                    },
+                ],
+                legend: Vec::new(),
+            },
+            heading,
+        }
+    };
+    let p = track.position_m[last];
+    let mut warnings = Vec::new();
+    if args.mode == MotionMode::Naive {
+        warnings.push(say(
+            lang,
+            "Nothing is corrected after the first rest: the error grows with the cube of the time. rest-to-rest is the trustworthy mode.",
+            "最初の静止以降は補正しません。誤差は時間の 3 乗で増えます。信頼できる結果には rest-to-rest を使ってください。",
+        ));
+    }
+    if track.phases.last() == Some(&Phase::Moving) && args.mode != MotionMode::Naive {
+        warnings.push(say(
+            lang,
+            "The recording does not end at rest: the last stretch is not corrected from its far side.",
+            "記録が静止で終わっていません。最後の区間は終端側から補正されていません。",
+        ));
+    }
+    Page {
+        lang,
+        title: say(lang, "Motion", "運動"),
+        sources: vec![shown.to_owned()],
+        facts: vec![
+            (say(lang, "Mode", "方法"), mode_name(args.mode).to_owned()),
+            (
+                say(lang, "End", "終点"),
+                format!("({:.4}, {:.4}, {:.4}) m ± {:.4} m", p[0], p[1], p[2], track.sigma_total_m(last)),
+            ),
+            (say(lang, "Path", "経路長"), format!("{:.3} m", path_length(track))),
+            (
+                say(lang, "Longest without a rest", "静止のない最長時間"),
+                format!("{:.1} s", track.longest_without_rest_s),
+            ),
+        ],
+        warnings,
+        plots: vec![
+            plot(
+                "Position with its 1-sigma band",
+                "位置 (1σ の誤差幅)",
+                "m",
+                series("p", &track.position_m, Some(&track.sigma_position_m)),
+            ),
+            plot("Velocity", "速度", "m/s", series("v", &track.velocity_m_s, None)),
+        ],
+        attitude: None,
+        blocks: vec![
+            figure("Path from above", "上から見た経路", 0, 1),
+            figure("Path from the side", "横から見た経路", 0, 2),
+        ],
+        generator: concat!("shisei ", env!("CARGO_PKG_VERSION")).to_owned(),
+    }
+    .to_html()
+}
