@@ -41,6 +41,8 @@ pub(super) enum Row<const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step<const N: usize> {
     pub transition: Transition,
+    /// Attitude before the measurements.
+    pub before: Quaternion,
     pub count: usize,
     pub measured: [(Row<N>, Measured<N>); MEASUREMENTS],
 }
@@ -50,6 +52,7 @@ impl<const N: usize> Step<N> {
         let none = Measured { u: [0.0; N], root: 0.0, innovation: 0.0 };
         Step {
             transition: [[0.0; super::model::STATES]; 9],
+            before: Quaternion::IDENTITY,
             count: 0,
             measured: [(Row::State(0), none); MEASUREMENTS],
         }
@@ -213,6 +216,7 @@ impl<const N: usize> Engine<N> {
         let mut spare = Step::empty();
         let step = record.unwrap_or(&mut spare);
         step.transition = phi;
+        step.before = self.nominal.world_from_body;
         step.count = 0;
         let mut error = [0.0; N];
         match optical {

@@ -45,6 +45,8 @@ pub(super) struct Runner<const N: usize, const E: usize> {
     pub settings: Settings,
     pub engines: [Engine<N>; E],
     pub level: Option<Leveller>,
+    /// The level that the filters last started from.
+    pub last_level: Option<Leveller>,
     pub at_rest: bool,
     guard: Guard,
     rest: RestFinder,
@@ -63,6 +65,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             settings: *settings,
             engines: models.map(start),
             level: None,
+            last_level: None,
             at_rest: false,
             guard: Guard::default(),
             rest: RestFinder::default(),
@@ -126,6 +129,13 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         if due { self.close(pose, record) } else { Event::Moved }
     }
 
+    /// Ends a level that is still being found; false where there is none.
+    pub fn finish_level(&mut self) -> bool {
+        let Some(level) = self.level else { return false };
+        self.start(&level, None);
+        true
+    }
+
     /// Ends the level: all filters go on from there, each with its own heading.
     fn start(&mut self, level: &Leveller, pose: Option<&OpticalPose>) {
         let sigma = level.sigma(self.settings.level_sigma_rad, self.settings.gravity_m_s2);
@@ -142,6 +152,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             }
         }
         self.level = None;
+        self.last_level = Some(*level);
         self.started = true;
         self.strange_s = 0.0;
         self.force_mean = [0.0, 0.0, self.settings.gravity_m_s2];
