@@ -41,8 +41,8 @@ pub(super) enum Row<const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step<const N: usize> {
     pub transition: Transition,
-    /// Attitude before the measurements.
-    pub before: Quaternion,
+    /// The state before the measurements.
+    pub before: Nominal,
     pub count: usize,
     pub measured: [(Row<N>, Measured<N>); MEASUREMENTS],
 }
@@ -52,7 +52,7 @@ impl<const N: usize> Step<N> {
         let none = Measured { u: [0.0; N], root: 0.0, innovation: 0.0 };
         Step {
             transition: [[0.0; super::model::STATES]; 9],
-            before: Quaternion::IDENTITY,
+            before: Nominal::new(Quaternion::IDENTITY),
             count: 0,
             measured: [(Row::State(0), none); MEASUREMENTS],
         }
@@ -216,7 +216,7 @@ impl<const N: usize> Engine<N> {
         let mut spare = Step::empty();
         let step = record.unwrap_or(&mut spare);
         step.transition = phi;
-        step.before = self.nominal.world_from_body;
+        step.before = self.nominal;
         step.count = 0;
         let mut error = [0.0; N];
         match optical {
@@ -235,10 +235,8 @@ impl<const N: usize> Engine<N> {
         let sq = |x: f64| x * x;
         let speed = if rest {
             sq(m.rest_speed)
-        } else if m.speed_share > 0.0 {
-            (sq(m.speed_share) * self.speed_squared).max(sq(m.speed_floor))
         } else {
-            0.0
+            (sq(m.speed_share) * self.speed_squared).max(sq(m.speed_floor))
         };
         let place = sq(m.position_spread);
         for (density, first, value) in
@@ -326,6 +324,12 @@ impl<const N: usize> Engine<N> {
         for k in MG..SA {
             p[k][k] += sq(m.gyro_matrix_walk) * t;
         }
+    }
+
+    /// Covariance of the attitude's error, rad², world axes.
+    pub fn attitude_covariance(&self) -> [Vec3; 3] {
+        let p = &self.covariance.0;
+        [[p[0][0], p[0][1], p[0][2]], [p[1][0], p[1][1], p[1][2]], [p[2][0], p[2][1], p[2][2]]]
     }
 
     /// False where the numbers no longer describe a sensor that is held by somebody.

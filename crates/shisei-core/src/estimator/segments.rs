@@ -28,8 +28,8 @@ pub(super) enum Kind {
 pub(super) struct Segment<const N: usize> {
     pub samples: Range<usize>,
     pub kind: Kind,
-    /// Attitude at its end, before the measurements.
-    pub before: Quaternion,
+    /// The state at its end, before the measurements.
+    pub before: Nominal,
     /// The state after them.
     pub nominal: Nominal,
     pub covariance: Covariance<N>,
@@ -46,6 +46,8 @@ pub(super) struct Recording<'a> {
     /// Optical poses, one a sample, or none at all.
     pub poses: &'a [Option<OpticalPose>],
     pub noise: OpticalNoise,
+    /// How strongly the motion is bounded without a pose, 0 … 1, one a sample, or none at all.
+    pub bounds: &'a [f64],
 }
 
 impl Recording<'_> {
@@ -54,115 +56,121 @@ impl Recording<'_> {
     }
 }
 
-/// A forward pass under way; a copy of it is a point to go on from.
+/// A forward pass under way; a copy of it is a point to go on from. The segments are those of the first filter.
 #[derive(Clone, Debug)]
-pub(super) struct Forward<const N: usize> {
-    pub runner: Runner<N, 1>,
+pub(super) struct Forward<const N: usize, const E: usize> {
+    pub runner: Runner<N, E>,
+    /// The sample to come.
     next: usize,
+    /// The first sample of the segment under way.
     start: usize,
     started: bool,
-    waiting: Option<Kind>,
+    given_up: bool,
 }
 
-impl<const N: usize> Forward<N> {
-    pub fn new(runner: Runner<N, 1>) -> Self {
-        Forward { runner, next: 0, start: 0, started: false, waiting: None }
+impl<const N: usize, const E: usize> Forward<N, E> {
+    pub fn new(runner: Runner<N, E>) -> Self {
+        Forward { runner, next: 0, start: 0, started: false, given_up: false }
     }
 
-    /// The next segment; `attitude` receives each sample's attitude as the filter had it.
-    pub fn segment(
+    /// Takes a sample; gives the state as the filter has it (while the level is being found, the attitude as the
+    /// gyroscope carries it), and the segment that it ends.
+    pub fn push(
         &mut self,
-        recording: &Recording<'_>,
-        mut attitude: impl FnMut(usize, Quaternion),
-    ) -> Option<Segment<N>> {
+        sample: &Sample,
+        rest: Option<bool>,
+        pose: Option<(&OpticalPose, &OpticalNoise)>,
+    ) -> (Nominal, Option<Segment<N>>) {
+        let k = self.next;
+        self.next += 1;
         let mut step = Step::empty();
-        while self.next < recording.acc.len() {
-            let k = self.next;
-            let before = self.runner.engines[0];
-            let pose = recording.poses.get(k).and_then(Option::as_ref).map(|pose| (pose, &recording.noise));
-            let event =
-                self.runner.take(&recording.sample(k), Some(recording.rest[k]), pose, Some(&mut step));
-            self.next += 1;
-            match event {
-                Event::Useless | Event::Levelling => {
-                    let level = self.runner.level.map(|level| level.carried);
-                    attitude(k, level.unwrap_or(before.nominal.world_from_body));
+        let (nominal, covariance) = (self.runner.engines[0].nominal, self.runner.engines[0].covariance);
+        let carried = |runner: &Runner<N, E>| match &runner.level {
+            Some(level) => Nominal { world_from_body: level.carried, ..nominal },
+            None => nominal,
+        };
+        match self.runner.take(sample, rest, pose, Some(&mut step)) {
+            Event::Useless | Event::Levelling => (carried(&self.runner), None),
+            Event::LevelBegins => {
+                let q = carried(&self.runner);
+                if !self.started || self.start >= k {
+                    return (q, None);
                 }
-                Event::LevelBegins => {
-                    let carried = self.runner.level.map_or(Quaternion::IDENTITY, |level| level.carried);
-                    attitude(k, carried);
-                    if self.started && self.start < k {
-                        let samples = self.start..k;
-                        self.start = k;
-                        let covariance = before.covariance;
-                        let nominal = before.nominal;
-                        let q = nominal.world_from_body;
-                        return Some(Segment {
-                            samples,
-                            kind: Kind::Tail,
-                            before: q,
-                            nominal,
-                            covariance,
-                            step,
-                        });
-                    }
-                }
-                Event::Levelled => return Some(self.levelled(k, step, attitude)),
-                Event::Moved => attitude(k, self.runner.engines[0].nominal.world_from_body),
-                Event::Closed => {
-                    attitude(k, step.before);
-                    return Some(self.end(k + 1, Kind::Interval, step.before, step));
-                }
-                Event::GivenUp => {
-                    attitude(k, step.before);
-                    self.waiting = Some(Kind::Start);
-                    let mut segment = self.end(k + 1, Kind::Tail, step.before, step);
-                    segment.nominal.world_from_body = step.before;
-                    return Some(segment);
-                }
+                let samples = self.start..k;
+                self.start = k;
+                (q, Some(Segment { samples, kind: Kind::Tail, before: nominal, nominal, covariance, step }))
+            }
+            Event::Levelled => {
+                let segment = self.levelled(k + 1, step);
+                (segment.before, Some(segment))
+            }
+            Event::Moved => (self.runner.engines[0].nominal, None),
+            Event::Closed => (step.before, Some(self.end(k + 1, Kind::Interval, step.before, step))),
+            Event::GivenUp => {
+                self.given_up = true;
+                let mut segment = self.end(k + 1, Kind::Tail, step.before, step);
+                segment.nominal = step.before;
+                (step.before, Some(segment))
             }
         }
-        self.last(recording.acc.len(), step, attitude)
     }
 
-    /// What is left at the end of the recording.
-    fn last(
-        &mut self,
-        rows: usize,
-        mut step: Step<N>,
-        attitude: impl FnMut(usize, Quaternion),
-    ) -> Option<Segment<N>> {
+    /// Ends the segment under way, with the recording.
+    pub fn finish(&mut self) -> Option<Segment<N>> {
+        let rows = self.next;
         if self.start >= rows {
             return None;
         }
+        let mut step = Step::empty();
         if self.runner.finish_level() {
-            return Some(self.levelled(rows - 1, step, attitude));
+            return Some(self.levelled(rows, step));
         }
-        let engine = &mut self.runner.engines[0];
-        step.before = engine.nominal.world_from_body;
-        let kind = if engine.sums.time_s > 0.0 { Kind::Interval } else { Kind::Tail };
         let rest = self.runner.at_rest;
+        let engine = &mut self.runner.engines[0];
+        step.before = engine.nominal;
+        let kind = if engine.sums.time_s > 0.0 { Kind::Interval } else { Kind::Tail };
         engine.close(rest, None, Some(&mut step));
         Some(self.end(rows, kind, step.before, step))
     }
 
-    fn levelled(
-        &mut self,
-        k: usize,
-        step: Step<N>,
-        mut attitude: impl FnMut(usize, Quaternion),
-    ) -> Segment<N> {
+    fn levelled(&mut self, end: usize, step: Step<N>) -> Segment<N> {
         let carried = self.runner.last_level.map_or(Quaternion::IDENTITY, |level| level.carried);
-        attitude(k, carried);
-        let kind = if self.started { self.waiting.take().unwrap_or(Kind::Level) } else { Kind::Start };
+        let carried = Nominal { world_from_body: carried, ..self.runner.engines[0].nominal };
+        let kind = if self.started && !self.given_up { Kind::Level } else { Kind::Start };
         self.started = true;
-        self.end(k + 1, kind, carried, step)
+        self.given_up = false;
+        self.end(end, kind, carried, step)
     }
 
-    fn end(&mut self, end: usize, kind: Kind, before: Quaternion, step: Step<N>) -> Segment<N> {
+    fn end(&mut self, end: usize, kind: Kind, before: Nominal, step: Step<N>) -> Segment<N> {
         let samples = self.start..end;
         self.start = end;
         let engine = &self.runner.engines[0];
         Segment { samples, kind, before, nominal: engine.nominal, covariance: engine.covariance, step }
+    }
+}
+
+impl<const N: usize> Forward<N, 1> {
+    /// The next segment of a recording; `state` receives each sample's state as the filter has it.
+    pub fn segment(
+        &mut self,
+        recording: &Recording<'_>,
+        mut state: impl FnMut(usize, &Nominal),
+    ) -> Option<Segment<N>> {
+        while self.next < recording.acc.len() {
+            let k = self.next;
+            if let Some(&bound) = recording.bounds.get(k) {
+                let model = &mut self.runner.engines[0].model;
+                let density = if bound > 0.0 { 1.0 / bound } else { 0.0 };
+                (model.speed_floor, model.position_spread) = (density, density);
+            }
+            let pose = recording.poses.get(k).and_then(Option::as_ref).map(|pose| (pose, &recording.noise));
+            let (nominal, segment) = self.push(&recording.sample(k), Some(recording.rest[k]), pose);
+            state(k, &nominal);
+            if segment.is_some() {
+                return segment;
+            }
+        }
+        self.finish()
     }
 }

@@ -43,10 +43,10 @@ pub struct Model {
     /// `ss0`, 1: standard deviation of the accelerometer's scales at the start. 0 switches them off.
     pub acc_scale_start: f64,
     /// `cv`, √s: bounded motion by speed: "velocity is zero" is measured with a density of `cv` times the
-    /// present speed (root mean square over 1 s). 0 leaves it out. Small values hold tilt firmly and take slow
+    /// present speed (root mean square over 1 s). 0, and `sv` 0: left out. Small values hold tilt firmly and take slow
     /// real motion for tilt.
     pub speed_share: f64,
-    /// Least density of that measurement, (m/s)√s.
+    /// `sv`, (m/s)√s: least density of that measurement; alone a constant one.
     pub speed_floor: f64,
     /// `sp`, m√s: bounded motion by place: "position is zero" is measured with this density. 0 leaves it out.
     pub position_spread: f64,

@@ -11,7 +11,8 @@ use super::backward::Adjoint;
 use super::calibration::Calibration;
 use super::engine::OpticalNoise;
 use super::guard::{Checked, Guard};
-use super::model::{Nominal, POS, STATES};
+use super::lag::back;
+use super::model::{Nominal, POS, STATES, VEL};
 use super::online::{State, check};
 use super::rest::RestFinder;
 use super::runner::Runner;
@@ -24,7 +25,7 @@ use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
 /// Updates of a chunk: about 12 kB each.
-const CHUNK: usize = 2048;
+pub(super) const CHUNK: usize = 2048;
 /// How far before its discovery a rest began, as a share of [`super::RestLimits::hold_s`].
 const REST_BACK: f64 = 0.7;
 
@@ -47,7 +48,8 @@ pub fn smooth(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt: Dt<'_>, settings: &Set
     check(settings)?;
     let rest = rests(acc_m_s2, gyro_rad_s, dt, settings);
     let noise = OpticalNoise { attitude_rad: 1.0, position_m: 1.0, lever_m: 0.0 };
-    let recording = Recording { acc: acc_m_s2, gyro: gyro_rad_s, dt, rest: &rest, poses: &[], noise };
+    let recording =
+        Recording { acc: acc_m_s2, gyro: gyro_rad_s, dt, rest: &rest, poses: &[], noise, bounds: &[] };
     let runner = Runner::<STATES, 1>::new(settings, [&settings.calm], 0.0);
     let (details, calibration) = run(&recording, runner, CHUNK);
     Ok(Smoothed { states: details.into_iter().map(|detail| detail.state).collect(), calibration })
@@ -106,6 +108,15 @@ pub(super) struct Detail {
     pub sigma_position: f64,
 }
 
+impl Detail {
+    /// Keeps what the forward pass had, for the backward pass to correct.
+    fn keep(&mut self, now: &Nominal) {
+        self.state.world_from_body = now.world_from_body;
+        self.velocity = now.velocity;
+        self.position = now.position;
+    }
+}
+
 /// A segment whose filter state is smoothed, and whose samples wait for the segment before.
 struct Pending<const N: usize> {
     segment: Segment<N>,
@@ -146,7 +157,7 @@ pub(super) fn run<const N: usize>(
     for point in points.iter_mut().rev() {
         segments.clear();
         while segments.len() < chunk {
-            let Some(segment) = point.segment(recording, |k, q| out[k].state.world_from_body = q) else {
+            let Some(segment) = point.segment(recording, |k, now| out[k].keep(now)) else {
                 break;
             };
             segments.push(segment);
@@ -164,12 +175,7 @@ pub(super) fn run<const N: usize>(
             } else {
                 0.0
             };
-            match segment.kind {
-                Kind::Interval => adjoint.back(&segment.step),
-                Kind::Tail => {}
-                Kind::Level => adjoint.restart(),
-                Kind::Start => adjoint.forget(),
-            }
+            back(&mut adjoint, &segment);
             pending = Some(Pending { segment, smoothed, error, covariance, sigma_position });
         }
     }
@@ -191,11 +197,25 @@ fn finish<const N: usize>(
     let Pending { segment, smoothed, error, covariance, sigma_position } = pending;
     let end_turn = match segment.kind {
         Kind::Tail => [error[0], error[1], error[2]],
-        _ => smoothed.world_from_body.product(segment.before.conjugate()).to_rotation_vector(),
+        _ => {
+            smoothed.world_from_body.product(segment.before.world_from_body.conjugate()).to_rotation_vector()
+        }
     };
     let start_turn = match (segment.kind, start) {
         (Kind::Interval, Some(start)) => [start[0], start[1], start[2]],
         _ => end_turn,
+    };
+    let three = |e: &[f64; N], at: usize| [e[at], e[at + 1], e[at + 2]];
+    let (end_place, end_speed) = match segment.kind {
+        Kind::Tail => (three(error, POS), three(error, VEL)),
+        _ => (
+            vector::sub(smoothed.position, segment.before.position),
+            vector::sub(smoothed.velocity, segment.before.velocity),
+        ),
+    };
+    let (start_place, start_speed) = match (segment.kind, start) {
+        (Kind::Interval, Some(start)) => (three(start, POS), three(start, VEL)),
+        _ => (end_place, end_speed),
     };
     let count = segment.samples.len() as f64;
     for (place, k) in segment.samples.clone().enumerate() {
@@ -210,8 +230,10 @@ fn finish<const N: usize>(
             (None, true) => smoothed.rate(raw),
         };
         out[k].state = State::new(q, rate, smoothed.gyro_bias, *covariance, recording.rest[k]);
-        out[k].velocity = smoothed.velocity;
-        out[k].position = vector::add(smoothed.position, q.rotate(smoothed.lever));
+        let between = |a: Vec3, b: Vec3| vector::add(vector::scale(a, 1.0 - share), vector::scale(b, share));
+        let own = vector::add(out[k].position, between(start_place, end_place));
+        out[k].position = vector::add(own, q.rotate(smoothed.lever));
+        out[k].velocity = vector::add(out[k].velocity, between(start_speed, end_speed));
         out[k].sigma_position = *sigma_position;
     }
 }
@@ -247,7 +269,7 @@ mod tests {
         let dt = Dt::PerSample(&dt);
         let rest = rests(&acc, &gyro, dt, &settings);
         let noise = OpticalNoise { attitude_rad: 1.0, position_m: 1.0, lever_m: 0.0 };
-        let recording = Recording { acc: &acc, gyro: &gyro, dt, rest: &rest, poses: &[], noise };
+        let recording = Recording { acc: &acc, gyro: &gyro, dt, rest: &rest, poses: &[], noise, bounds: &[] };
         let runner = Runner::<STATES, 1>::new(&settings, [&settings.calm], 0.0);
         let whole = run(&recording, runner, 1_000_000).0;
         let parts = run(&recording, runner, 7).0;
