@@ -91,6 +91,8 @@ pub(super) struct Engine<const N: usize> {
     speed_squared: f64,
     /// The sample before: rate, acceleration, and acceleration without gravity in the world.
     last: Option<(Vec3, Vec3, Vec3)>,
+    /// Change of rate over the last step, rad/s², and its length.
+    slope: Option<(Vec3, f64)>,
 }
 
 impl<const N: usize> Engine<N> {
@@ -122,6 +124,7 @@ impl<const N: usize> Engine<N> {
             sums: Interval::default(),
             speed_squared: 0.0,
             last: None,
+            slope: None,
         };
         engine.covariance.restart_moving(moving_sigmas(sigma_tilt, HEADING_START));
         engine
@@ -138,6 +141,7 @@ impl<const N: usize> Engine<N> {
         self.sums = Interval::default();
         self.speed_squared = 0.0;
         self.last = None;
+        self.slope = None;
     }
 
     /// Moves the nominal state by a reading.
@@ -151,9 +155,24 @@ impl<const N: usize> Engine<N> {
         let share = if first { 0.0 } else { reading.irregular };
         let gyro_change = vector::sub(now.0, gyro_before);
         let acc_change = vector::sub(now.1, acc_before);
-        let gyro = vector::sub(now.0, vector::scale(gyro_change, share));
+        let mut gyro = vector::sub(now.0, vector::scale(gyro_change, share));
+        let slope = vector::scale(gyro_change, 1.0 / dt);
+        if let Some((slope_before, dt_before)) = self.slope.filter(|_| share != 0.0) {
+            let usual = 1.0 - 2.0 * share;
+            let factor = dt * dt * (1.0 - usual * usual) / 6.0;
+            let mut bend = vector::scale(vector::sub(slope, slope_before), 1.0 / (dt + dt_before));
+            if let Some((next, dt_next)) = reading.next {
+                let slope_next = vector::scale(vector::sub(next, now.0), 1.0 / dt_next);
+                let after = vector::scale(vector::sub(slope_next, slope), 1.0 / (dt + dt_next));
+                bend = vector::scale(vector::add(bend, after), 0.5);
+            }
+            gyro = vector::sub(gyro, vector::scale(bend, factor));
+        }
+        self.slope = if first { None } else { Some((slope, dt)) };
+        let coning = if first { [0.0; 3] } else { vector::scale(vector::cross(gyro_before, now.0), dt / 12.0) };
 
-        let rate = self.nominal.rate(gyro);
+        let mut rate = self.nominal.rate(gyro);
+        rate = vector::add(rate, coning);
         let quarter = vector::scale(rate, 0.25 * dt);
         let middle = advance(self.nominal.world_from_body, quarter);
         let q = advance(middle, quarter);

@@ -10,6 +10,7 @@ mod guard;
 #[cfg(feature = "alloc")]
 mod lag;
 mod level;
+mod light;
 mod model;
 mod online;
 mod rest;
@@ -26,6 +27,7 @@ pub use engine::OpticalPose;
 pub use guard::Sample;
 #[cfg(feature = "alloc")]
 pub use lag::FixedLag;
+pub use light::LightEstimator;
 pub use online::{Estimator, State};
 pub use rest::RestLimits;
 pub use settings::{Model, Settings};

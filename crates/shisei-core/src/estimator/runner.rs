@@ -45,6 +45,8 @@ pub(super) struct Runner<const N: usize, const E: usize> {
     pub settings: Settings,
     pub engines: [Engine<N>; E],
     pub level: Option<Leveller>,
+    /// The rate after the sample to come, corrected, and the step to it, where it is known.
+    pub ahead: Option<(Vec3, f64)>,
     /// The level that the filters last started from.
     pub last_level: Option<Leveller>,
     pub at_rest: bool,
@@ -66,6 +68,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             engines: models.map(start),
             level: None,
             last_level: None,
+            ahead: None,
             at_rest: false,
             guard: Guard::default(),
             rest: RestFinder::default(),
@@ -92,11 +95,12 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         pose: Option<(&OpticalPose, &OpticalNoise)>,
         record: Option<&mut Step<N>>,
     ) -> Event {
-        let (reading, gap_s) = match self.guard.check(sample, &self.settings) {
+        let (mut reading, gap_s) = match self.guard.check(sample, &self.settings) {
             Checked::Useless => return Event::Useless,
             Checked::Next(reading) => (reading, None),
             Checked::AfterGap(reading, gap_s) => (reading, Some(gap_s)),
         };
+        reading.next = self.ahead.take();
         if gap_s.is_some() {
             self.rest.restart();
         }

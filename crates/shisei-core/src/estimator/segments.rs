@@ -5,6 +5,7 @@ use super::engine::{OpticalNoise, OpticalPose, Step};
 use super::guard::Sample;
 use super::model::Nominal;
 use super::runner::{Event, Runner};
+use super::settings::Settings;
 use crate::filter::Dt;
 use crate::quaternion::Quaternion;
 use crate::vector::Vec3;
@@ -53,6 +54,17 @@ pub(super) struct Recording<'a> {
 impl Recording<'_> {
     pub fn sample(&self, k: usize) -> Sample {
         Sample { gyro_rad_s: self.gyro[k], acc_m_s2: self.acc[k], dt_s: self.dt.at(k) }
+    }
+
+    /// The rate of sample k, corrected, and the step to it; none where it is unreadable or past a gap.
+    fn ahead(&self, k: usize, settings: &Settings) -> Option<(Vec3, f64)> {
+        let raw = *self.gyro.get(k)?;
+        let dt = self.dt.at(k);
+        let readable = raw.iter().all(|x| x.abs() <= settings.gyro_limit_rad_s);
+        if !readable || !(dt > 0.0 && dt <= settings.gap_s) {
+            return None;
+        }
+        Some((settings.calibration.as_ref().map_or(raw, |known| known.correct_gyro(raw)), dt))
     }
 }
 
@@ -165,6 +177,7 @@ impl<const N: usize> Forward<N, 1> {
                 (model.speed_floor, model.position_spread) = (density, density);
             }
             let pose = recording.poses.get(k).and_then(Option::as_ref).map(|pose| (pose, &recording.noise));
+            self.runner.ahead = recording.ahead(k + 1, &self.runner.settings);
             let (nominal, segment) = self.push(&recording.sample(k), Some(recording.rest[k]), pose);
             state(k, &nominal);
             if segment.is_some() {
