@@ -41,6 +41,8 @@ pub(super) enum Row<const N: usize> {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Step<const N: usize> {
     pub transition: Transition,
+    /// The state before the measurements.
+    pub before: Nominal,
     pub count: usize,
     pub measured: [(Row<N>, Measured<N>); MEASUREMENTS],
 }
@@ -50,6 +52,7 @@ impl<const N: usize> Step<N> {
         let none = Measured { u: [0.0; N], root: 0.0, innovation: 0.0 };
         Step {
             transition: [[0.0; super::model::STATES]; 9],
+            before: Nominal::new(Quaternion::IDENTITY),
             count: 0,
             measured: [(Row::State(0), none); MEASUREMENTS],
         }
@@ -88,6 +91,8 @@ pub(super) struct Engine<const N: usize> {
     speed_squared: f64,
     /// The sample before: rate, acceleration, and acceleration without gravity in the world.
     last: Option<(Vec3, Vec3, Vec3)>,
+    /// Change of rate over the last step, rad/s², and its length.
+    slope: Option<(Vec3, f64)>,
 }
 
 impl<const N: usize> Engine<N> {
@@ -119,6 +124,7 @@ impl<const N: usize> Engine<N> {
             sums: Interval::default(),
             speed_squared: 0.0,
             last: None,
+            slope: None,
         };
         engine.covariance.restart_moving(moving_sigmas(sigma_tilt, HEADING_START));
         engine
@@ -135,6 +141,7 @@ impl<const N: usize> Engine<N> {
         self.sums = Interval::default();
         self.speed_squared = 0.0;
         self.last = None;
+        self.slope = None;
     }
 
     /// Moves the nominal state by a reading.
@@ -148,9 +155,25 @@ impl<const N: usize> Engine<N> {
         let share = if first { 0.0 } else { reading.irregular };
         let gyro_change = vector::sub(now.0, gyro_before);
         let acc_change = vector::sub(now.1, acc_before);
-        let gyro = vector::sub(now.0, vector::scale(gyro_change, share));
+        let mut gyro = vector::sub(now.0, vector::scale(gyro_change, share));
+        let slope = vector::scale(gyro_change, 1.0 / dt);
+        if let Some((slope_before, dt_before)) = self.slope.filter(|_| share != 0.0) {
+            let usual = 1.0 - 2.0 * share;
+            let factor = dt * dt * (1.0 - usual * usual) / 6.0;
+            let mut bend = vector::scale(vector::sub(slope, slope_before), 1.0 / (dt + dt_before));
+            if let Some((next, dt_next)) = reading.next {
+                let slope_next = vector::scale(vector::sub(next, now.0), 1.0 / dt_next);
+                let after = vector::scale(vector::sub(slope_next, slope), 1.0 / (dt + dt_next));
+                bend = vector::scale(vector::add(bend, after), 0.5);
+            }
+            gyro = vector::sub(gyro, vector::scale(bend, factor));
+        }
+        self.slope = if first { None } else { Some((slope, dt)) };
+        let coning =
+            if first { [0.0; 3] } else { vector::scale(vector::cross(gyro_before, now.0), dt / 12.0) };
 
-        let rate = self.nominal.rate(gyro);
+        let mut rate = self.nominal.rate(gyro);
+        rate = vector::add(rate, coning);
         let quarter = vector::scale(rate, 0.25 * dt);
         let middle = advance(self.nominal.world_from_body, quarter);
         let q = advance(middle, quarter);
@@ -213,6 +236,7 @@ impl<const N: usize> Engine<N> {
         let mut spare = Step::empty();
         let step = record.unwrap_or(&mut spare);
         step.transition = phi;
+        step.before = self.nominal;
         step.count = 0;
         let mut error = [0.0; N];
         match optical {
@@ -231,10 +255,8 @@ impl<const N: usize> Engine<N> {
         let sq = |x: f64| x * x;
         let speed = if rest {
             sq(m.rest_speed)
-        } else if m.speed_share > 0.0 {
-            (sq(m.speed_share) * self.speed_squared).max(sq(m.speed_floor))
         } else {
-            0.0
+            (sq(m.speed_share) * self.speed_squared).max(sq(m.speed_floor))
         };
         let place = sq(m.position_spread);
         for (density, first, value) in
@@ -322,6 +344,12 @@ impl<const N: usize> Engine<N> {
         for k in MG..SA {
             p[k][k] += sq(m.gyro_matrix_walk) * t;
         }
+    }
+
+    /// Covariance of the attitude's error, rad², world axes.
+    pub fn attitude_covariance(&self) -> [Vec3; 3] {
+        let p = &self.covariance.0;
+        [[p[0][0], p[0][1], p[0][2]], [p[1][0], p[1][1], p[1][2]], [p[2][0], p[2][1], p[2][2]]]
     }
 
     /// False where the numbers no longer describe a sensor that is held by somebody.

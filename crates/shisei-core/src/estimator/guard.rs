@@ -24,6 +24,8 @@ pub(super) struct Reading {
     pub dt_s: f64,
     /// (dt − usual dt) / (2 dt): how much of the step the sample before stands for.
     pub irregular: f64,
+    /// The next rate and the step to it, where they are known already.
+    pub next: Option<(Vec3, f64)>,
     /// False where the rate could not be read and the last one is taken instead.
     pub gyro_known: bool,
     /// The same of the acceleration.
@@ -88,7 +90,8 @@ impl Guard {
         let acc = if acc_known { known(sample.acc_m_s2, Calibration::correct_acc) } else { acc_before };
         let gap = dt > settings.gap_s;
         let irregular = if gap { 0.0 } else { self.irregular(dt) };
-        let reading = Reading { gyro, acc, dt_s: dt.min(settings.gap_s), irregular, gyro_known, acc_known };
+        let reading =
+            Reading { gyro, acc, dt_s: dt.min(settings.gap_s), irregular, next: None, gyro_known, acc_known };
         let blind_before = self.blind_s;
         self.blind_s = if gyro_known && acc_known { 0.0 } else { self.blind_s + dt };
         let first = self.last.is_none();

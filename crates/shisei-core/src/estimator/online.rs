@@ -82,38 +82,9 @@ impl Estimator {
     /// uncertainty grows; after more than [`Settings::gap_s`] without, the level is found anew.
     pub fn update(&mut self, sample: &Sample) -> State {
         let event = self.runner.take(sample, None, None, None);
-        if event == Event::Useless {
-            return self.state;
+        if event != Event::Useless {
+            self.state = compose(&self.runner, sample, self.state.rate_rad_s);
         }
-        let runner = &self.runner;
-        let [quick, calm] = &runner.engines;
-        let known = |v: Vec3| match &runner.settings.calibration {
-            Some(calibration) => calibration.correct_gyro(v),
-            None => v,
-        };
-        let (world_from_body, covariance) = match &runner.level {
-            Some(level) => {
-                let sigma = level.sigma(runner.settings.level_sigma_rad, runner.settings.gravity_m_s2);
-                let heading = calm.covariance.0[2][2] + level.heading_more * level.heading_more;
-                let tilt = 0.5 * sigma * sigma;
-                let q = heading_between(calm.nominal.world_from_body, quick.nominal.world_from_body)
-                    .product(level.attitude());
-                (q, [[tilt, 0.0, 0.0], [0.0, tilt, 0.0], [0.0, 0.0, heading]])
-            }
-            None => {
-                let q = quick.nominal.world_from_body;
-                let turn = heading_between(calm.nominal.world_from_body, q);
-                let share = runner.settings.quick_sigma_share * runner.settings.quick_sigma_share;
-                let (p, c) = (&quick.covariance.0, &calm.covariance.0);
-                let tilt = |a: usize, b: usize| p[a][b] * share;
-                let covariance =
-                    [[tilt(0, 0), tilt(0, 1), 0.0], [tilt(1, 0), tilt(1, 1), 0.0], [0.0, 0.0, c[2][2]]];
-                (turn.product(q).normalized(), covariance)
-            }
-        };
-        let readable = sample.gyro_rad_s.iter().all(|x| x.abs() <= runner.settings.gyro_limit_rad_s);
-        let rate = if readable { calm.nominal.rate(known(sample.gyro_rad_s)) } else { self.state.rate_rad_s };
-        self.state = State::new(world_from_body, rate, calm.nominal.gyro_bias, covariance, runner.at_rest);
         self.state
     }
 
@@ -131,6 +102,39 @@ impl Estimator {
         };
         before.followed_by(&calm.nominal, &calm.covariance)
     }
+}
+
+/// The state of both filters together: tilt of the quick one, all else of the calm one.
+pub(super) fn compose(runner: &Runner<STATES, 2>, sample: &Sample, rate_before: Vec3) -> State {
+    let [quick, calm] = &runner.engines;
+    let settings = &runner.settings;
+    let turn = heading_between(calm.nominal.world_from_body, quick.nominal.world_from_body);
+    let heading = calm.covariance.0[2][2];
+    let (q, covariance) = if let Some(level) = &runner.level {
+        let sigma = level.sigma(settings.level_sigma_rad, settings.gravity_m_s2);
+        let tilt = 0.5 * sigma * sigma;
+        let heading = heading + level.heading_more * level.heading_more;
+        (level.attitude(), [[tilt, 0.0, 0.0], [0.0, tilt, 0.0], [0.0, 0.0, heading]])
+    } else {
+        (quick.nominal.world_from_body, tilt_and_heading(quick.attitude_covariance(), settings, heading))
+    };
+    let readable = sample.gyro_rad_s.iter().all(|x| x.abs() <= settings.gyro_limit_rad_s);
+    let gyro = match &settings.calibration {
+        Some(calibration) => calibration.correct_gyro(sample.gyro_rad_s),
+        None => sample.gyro_rad_s,
+    };
+    let rate = if readable { calm.nominal.rate(gyro) } else { rate_before };
+    State::new(turn.product(q).normalized(), rate, calm.nominal.gyro_bias, covariance, runner.at_rest)
+}
+
+/// The stated covariance: a share of the quick filter's tilt, and the calm one's heading.
+pub(super) fn tilt_and_heading(quick: [Vec3; 3], settings: &Settings, heading: f64) -> [Vec3; 3] {
+    let share = settings.quick_sigma_share * settings.quick_sigma_share;
+    [
+        [quick[0][0] * share, quick[0][1] * share, 0.0],
+        [quick[1][0] * share, quick[1][1] * share, 0.0],
+        [0.0, 0.0, heading],
+    ]
 }
 
 impl Filter for Estimator {

@@ -45,6 +45,10 @@ pub(super) struct Runner<const N: usize, const E: usize> {
     pub settings: Settings,
     pub engines: [Engine<N>; E],
     pub level: Option<Leveller>,
+    /// The rate after the sample to come, corrected, and the step to it, where it is known.
+    pub ahead: Option<(Vec3, f64)>,
+    /// The level that the filters last started from.
+    pub last_level: Option<Leveller>,
     pub at_rest: bool,
     guard: Guard,
     rest: RestFinder,
@@ -63,6 +67,8 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             settings: *settings,
             engines: models.map(start),
             level: None,
+            last_level: None,
+            ahead: None,
             at_rest: false,
             guard: Guard::default(),
             rest: RestFinder::default(),
@@ -89,11 +95,12 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         pose: Option<(&OpticalPose, &OpticalNoise)>,
         record: Option<&mut Step<N>>,
     ) -> Event {
-        let (reading, gap_s) = match self.guard.check(sample, &self.settings) {
+        let (mut reading, gap_s) = match self.guard.check(sample, &self.settings) {
             Checked::Useless => return Event::Useless,
             Checked::Next(reading) => (reading, None),
             Checked::AfterGap(reading, gap_s) => (reading, Some(gap_s)),
         };
+        reading.next = self.ahead.take();
         if gap_s.is_some() {
             self.rest.restart();
         }
@@ -126,6 +133,13 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         if due { self.close(pose, record) } else { Event::Moved }
     }
 
+    /// Ends a level that is still being found; false where there is none.
+    pub fn finish_level(&mut self) -> bool {
+        let Some(level) = self.level else { return false };
+        self.start(&level, None);
+        true
+    }
+
     /// Ends the level: all filters go on from there, each with its own heading.
     fn start(&mut self, level: &Leveller, pose: Option<&OpticalPose>) {
         let sigma = level.sigma(self.settings.level_sigma_rad, self.settings.gravity_m_s2);
@@ -142,6 +156,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             }
         }
         self.level = None;
+        self.last_level = Some(*level);
         self.started = true;
         self.strange_s = 0.0;
         self.force_mean = [0.0, 0.0, self.settings.gravity_m_s2];

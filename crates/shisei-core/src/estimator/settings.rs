@@ -43,10 +43,10 @@ pub struct Model {
     /// `ss0`, 1: standard deviation of the accelerometer's scales at the start. 0 switches them off.
     pub acc_scale_start: f64,
     /// `cv`, √s: bounded motion by speed: "velocity is zero" is measured with a density of `cv` times the
-    /// present speed (root mean square over 1 s). 0 leaves it out. Small values hold tilt firmly and take slow
+    /// present speed (root mean square over 1 s). 0, and `sv` 0: left out. Small values hold tilt firmly and take slow
     /// real motion for tilt.
     pub speed_share: f64,
-    /// Least density of that measurement, (m/s)√s.
+    /// `sv`, (m/s)√s: least density of that measurement; alone a constant one.
     pub speed_floor: f64,
     /// `sp`, m√s: bounded motion by place: "position is zero" is measured with this density. 0 leaves it out.
     pub position_spread: f64,
@@ -142,23 +142,23 @@ const QUICK: Model = Model {
 const CALM: Model = Model {
     tilt_noise: 2e-4,
     heading_noise: 2e-4,
-    noise_per_rate: 4.5e-4,
+    noise_per_rate: 3.5e-4,
     noise_per_rate_change: 0.0,
-    velocity_noise: 0.045,
+    velocity_noise: 0.05,
     velocity_noise_per_change: 0.0,
     gyro_bias_start: 0.0087,
     gyro_bias_walk: 3e-4,
     acc_bias_start: 0.02,
     acc_bias_walk: 1e-5,
     gyro_matrix_start: 0.009,
-    gyro_matrix_walk: 8e-5,
+    gyro_matrix_walk: 4e-5,
     acc_scale_start: 0.02,
     speed_share: 0.0,
     speed_floor: 0.0,
-    position_spread: 2.0,
+    position_spread: 2.1,
     position_forget_s: 0.0,
     rest_speed: 0.0056,
-    rest_rate: 0.002,
+    rest_rate: 0.006,
     acc_delay_s: 0.0,
 };
 

@@ -1,0 +1,136 @@
+//! Bridging: the smoother with an optical system that sees the sensor most of the time.
+//!
+//! Where a pose is seen it is measured (attitude, and position with an unknown lever arm); where it is not, the
+//! inertial model carries on from both ends. In long gaps the motion is held near the last positions by a bound
+//! that comes in with the gap's length, for there double integration runs away.
+
+use alloc::vec::Vec;
+
+use super::calibration::Calibration;
+use super::engine::{OpticalNoise, OpticalPose};
+use super::model::STATES_WITH_LEVER;
+use super::online::{State, check};
+use super::runner::Runner;
+use super::segments::Recording;
+use super::settings::Settings;
+use super::smoother::{CHUNK, lengths, rests, run};
+use crate::error::Result;
+use crate::filter::{self, Dt, positive};
+use crate::vector::{self, Vec3};
+
+/// How well the optical system sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BridgeSettings {
+    /// Standard deviation of an optical attitude, rad: 0.0052 (0.3°). Large values let gravity decide the tilt.
+    pub attitude_rad: f64,
+    /// Standard deviation of an optical position, m: 0.003.
+    pub position_m: f64,
+    /// Standard deviation of the lever arm from sensor to the body's point, m, about zero: 0.02.
+    pub lever_m: f64,
+}
+
+impl Default for BridgeSettings {
+    fn default() -> Self {
+        BridgeSettings { attitude_rad: 0.0052, position_m: 0.003, lever_m: 0.02 }
+    }
+}
+
+/// A sample's state with the optical body's motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bridged {
+    /// Attitude in the optical world, rates and uncertainty.
+    pub state: State,
+    /// Velocity of the sensor, m/s.
+    pub velocity_m_s: Vec3,
+    /// Position of the optical body's point, m.
+    pub position_m: Vec3,
+    /// Its standard deviation, all axes together, m.
+    pub sigma_position_m: f64,
+}
+
+/// Attitude and position of a recording of which some samples have an optical pose: the attitude must be the
+/// sensor's (apply its mounting before), in a world with z up, on the sensor's clock.
+///
+/// Refused: as [`super::smooth`], another number of poses than samples, poses that are not finite, noise that is
+/// not positive.
+pub fn bridge(
+    acc_m_s2: &[Vec3],
+    gyro_rad_s: &[Vec3],
+    dt: Dt<'_>,
+    poses: &[Option<OpticalPose>],
+    optics: &BridgeSettings,
+    settings: &Settings,
+) -> Result<(Vec<Bridged>, Calibration)> {
+    lengths(acc_m_s2, gyro_rad_s, dt)?;
+    filter::same_length(acc_m_s2.len(), poses.len())?;
+    check(settings)?;
+    positive("attitude_rad", optics.attitude_rad)?;
+    positive("position_m", optics.position_m)?;
+    positive("lever_m", optics.lever_m)?;
+    for (row, pose) in poses.iter().enumerate() {
+        if let Some(pose) = pose {
+            pose.world_from_body.try_normalized().map_err(|error| error.at_row(row))?;
+            filter::check_rows(&[pose.position_m], row)?;
+        }
+    }
+    let centre = centre(poses);
+    let poses: Vec<Option<OpticalPose>> = poses
+        .iter()
+        .map(|pose| {
+            pose.map(|pose| OpticalPose {
+                world_from_body: pose.world_from_body.normalized(),
+                position_m: vector::sub(pose.position_m, centre),
+            })
+        })
+        .collect();
+    let noise = OpticalNoise {
+        attitude_rad: optics.attitude_rad,
+        position_m: optics.position_m,
+        lever_m: optics.lever_m,
+    };
+    let bounds = bounds(&poses, dt);
+    let rest = rests(acc_m_s2, gyro_rad_s, dt, settings);
+    let recording =
+        Recording { acc: acc_m_s2, gyro: gyro_rad_s, dt, rest: &rest, poses: &poses, noise, bounds: &bounds };
+    let runner = Runner::<STATES_WITH_LEVER, 1>::new(settings, [&settings.bridge], optics.lever_m);
+    let (details, calibration) = run(&recording, runner, CHUNK);
+    let bridged = details.into_iter().map(|detail| Bridged {
+        state: detail.state,
+        velocity_m_s: detail.velocity,
+        position_m: vector::add(detail.position, centre),
+        sigma_position_m: detail.sigma_position,
+    });
+    Ok((bridged.collect(), calibration))
+}
+
+/// Gaps from this length on have their motion bounded, and fully from the second, s.
+const BOUND_FROM_S: f64 = 10.0;
+const BOUND_FULL_S: f64 = 30.0;
+
+/// Mean of the positions seen.
+fn centre(poses: &[Option<OpticalPose>]) -> Vec3 {
+    let (mut sum, mut count) = ([0.0; 3], 0.0);
+    for pose in poses.iter().flatten() {
+        count += 1.0;
+        // a running mean: no sum that could overflow
+        sum = vector::add(sum, vector::scale(vector::sub(pose.position_m, sum), 1.0 / count));
+    }
+    sum
+}
+
+/// How strongly the motion is bounded at each sample: by the length of the gap it lies in.
+fn bounds(poses: &[Option<OpticalPose>], dt: Dt<'_>) -> Vec<f64> {
+    let mut out = alloc::vec![0.0; poses.len()];
+    let mut k = 0;
+    while k < poses.len() {
+        if poses[k].is_some() {
+            k += 1;
+            continue;
+        }
+        let end = (k..poses.len()).find(|&j| poses[j].is_some()).unwrap_or(poses.len());
+        let length_s: f64 = (k..end).map(|j| dt.at(j)).filter(|step| step.is_finite()).sum();
+        out[k..end].fill(((length_s - BOUND_FROM_S) / (BOUND_FULL_S - BOUND_FROM_S)).clamp(0.0, 1.0));
+        k = end;
+    }
+    out
+}
