@@ -77,6 +77,8 @@ pub struct Info {
 /// The filters `orient` can use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FilterName {
+    Shisei,
+    ShiseiOnline,
     Mahony,
     MahonyAdaptive,
     Complementary,
@@ -88,6 +90,8 @@ impl FilterName {
     /// As the user writes it.
     pub fn name(self) -> &'static str {
         match self {
+            FilterName::Shisei => "shisei",
+            FilterName::ShiseiOnline => "shisei-online",
             FilterName::Mahony => "mahony",
             FilterName::MahonyAdaptive => "mahony-adaptive",
             FilterName::Complementary => "complementary",
@@ -115,8 +119,8 @@ pub struct Orient {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
-    /// How orientation is estimated
-    #[arg(long, value_enum, default_value = "mahony")]
+    /// How orientation is estimated: shisei uses the whole recording, shisei-online only what came before; the others are classic
+    #[arg(long, value_enum, default_value = "shisei")]
     pub filter: FilterName,
     /// Mahony's proportional gain, 1/s: small trusts the gyroscope, large the accelerometer (default 0.2)
     #[arg(long, value_name = "GAIN")]
@@ -148,6 +152,9 @@ pub struct Orient {
     /// Correct the recording with a calibration first
     #[arg(long, value_name = "CAL.json")]
     pub calibration: Option<PathBuf>,
+    /// Keep what was learnt of the sensor (with shisei, shisei-online), to give it to --calibration next time
+    #[arg(long, value_name = "CAL.json")]
+    pub save_calibration: Option<PathBuf>,
     /// Write angles in degrees instead of radians
     #[arg(long)]
     pub degrees: bool,

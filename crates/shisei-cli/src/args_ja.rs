@@ -29,7 +29,14 @@ const OPTIONS: &[(&str, &str)] = &[
     ("sensor", "複数のセンサを含むファイルで、使うセンサの名前"),
     ("json", "結果を 1 つの JSON として標準出力に書きます"),
     ("output", "出力先 (省略時は作業ディレクトリの NAME.…)。表は .csv または .parquet。- は標準出力です"),
-    ("filter", "姿勢の推定方法"),
+    (
+        "filter",
+        "姿勢の推定方法。shisei は記録全体を、shisei-online はその時点までを使います。その他は古典的な方法です",
+    ),
+    (
+        "save_calibration",
+        "センサについて学習した結果を保存し、次回 --calibration に使えるようにします (shisei、shisei-online)",
+    ),
     ("kp", "Mahony の比例ゲイン [1/s]。小さいほどジャイロ、大きいほど加速度を信頼します (省略時 0.2)"),
     ("ki", "Mahony の積分ゲイン [1/s²]。ジャイロのバイアスを学習します。0 で無効 (省略時 0)"),
     ("kp_min", "mahony-adaptive の最小ゲイン [1/s] (省略時 0.05。最大は kp、省略時 2)"),

@@ -18,6 +18,16 @@ pub fn read(path: &Path, lang: Lang) -> Outcome<CalibrationFile> {
     })
 }
 
+/// A file of what the estimator learnt now.
+pub fn learnt(learnt: &shisei_core::estimator::Calibration, gravity_m_s2: f64) -> CalibrationFile {
+    CalibrationFile::from_learnt(learnt, gravity_m_s2, &now())
+}
+
+/// This second, RFC 3339.
+pub fn now() -> String {
+    jiff::Timestamp::now().round(jiff::Unit::Second).map(|t| t.to_string()).unwrap_or_default()
+}
+
 /// Corrects a recording in place.
 pub fn apply(file: &CalibrationFile, recording: &mut Recording, lang: Lang) -> Outcome<()> {
     let acc = recording.acc_m_s2.clone();

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use shisei_core::Lang;
 use shisei_core::orient::{Method, Orientation};
 use shisei_record::Recording;
-use shisei_report::OrientationReport;
+use shisei_report::{OrientationReport, Uncertainty};
 
 use crate::args::Relative;
 use crate::cmd::orient::{Done, Plan};
@@ -26,6 +26,7 @@ pub struct Report<'a> {
     ypr_rad: &'a [[f64; 3]],
     rests: Vec<(f64, f64)>,
     gaps: Vec<(f64, f64)>,
+    poor: Vec<(f64, f64)>,
     facts: Vec<(String, String)>,
     assumptions: Vec<String>,
     warnings: &'a [String],
@@ -55,6 +56,7 @@ pub fn report<'a>(
         ypr_rad,
         rests: orientation.rest.iter().map(|r| (time(r.start), time(r.end.saturating_sub(1)))).collect(),
         gaps: recording.findings.gaps.iter().map(|gap| (gap.from_s, gap.from_s + gap.length_s)).collect(),
+        poor: poor(recording, orientation),
         facts: facts(plan, recording, orientation),
         assumptions: recording.assumptions.iter().map(|note| note.sentence(lang).to_owned()).collect(),
         warnings,
@@ -62,6 +64,15 @@ pub fn report<'a>(
 }
 
 impl Report<'_> {
+    fn uncertainty(&self) -> Option<Uncertainty<'_>> {
+        let certainty = self.orientation.certainty.as_ref()?;
+        Some(Uncertainty {
+            sigma_tilt_rad: &certainty.sigma_tilt_rad,
+            sigma_heading_rad: &certainty.sigma_heading_rad,
+            poor: &self.poor,
+        })
+    }
+
     fn view(&self) -> OrientationReport<'_> {
         OrientationReport {
             lang: self.plan.lang,
@@ -74,7 +85,7 @@ impl Report<'_> {
             gyro_rad_s: &self.recording.gyro_rad_s,
             rests: &self.rests,
             gaps: &self.gaps,
-            uncertainty: None,
+            uncertainty: self.uncertainty(),
             summary: &self.facts,
             assumptions: &self.assumptions,
             warnings: self.warnings,
@@ -93,6 +104,31 @@ impl Report<'_> {
     pub fn png(&self) -> shisei_report::Result<Vec<u8>> {
         shisei_report::orientation::png(&self.view(), 1600, 900)
     }
+}
+
+/// Where the estimate is called poor: the standard deviation of the tilt is above this, rad (3°) …
+const POOR_TILT_RAD: f64 = 0.05235987755982989;
+/// … or that of the heading, rad (20°).
+const POOR_HEADING_RAD: f64 = 0.3490658503988659;
+
+/// The intervals in which the estimate is poor, s.
+pub fn poor(recording: &Recording, orientation: &Orientation) -> Vec<(f64, f64)> {
+    let Some(certainty) = &orientation.certainty else { return Vec::new() };
+    let is_poor = |k: usize| {
+        certainty.sigma_tilt_rad[k] > POOR_TILT_RAD || certainty.sigma_heading_rad[k] > POOR_HEADING_RAD
+    };
+    let mut spans: Vec<(f64, f64)> = Vec::new();
+    let mut before = false;
+    for (k, &time_s) in recording.time_s.iter().enumerate() {
+        let now = is_poor(k);
+        match (now, before, spans.last_mut()) {
+            (true, true, Some(span)) => span.1 = time_s,
+            (true, _, _) => spans.push((time_s, time_s)),
+            _ => {}
+        }
+        before = now;
+    }
+    spans
 }
 
 /// Name and value of what was done, in the user's language.
@@ -146,6 +182,29 @@ fn facts(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Vec<(
             Relative::None => say(lang, "attitude itself", "姿勢そのもの"),
         },
     );
+    if let Some(certainty) = &orientation.certainty {
+        let largest = |sigma: &[f64]| sigma.iter().copied().fold(0.0, f64::max) * DEG_PER_RAD;
+        let (tilt, heading) = (largest(&certainty.sigma_tilt_rad), largest(&certainty.sigma_heading_rad));
+        let poor_s: f64 = poor(recording, orientation).iter().map(|(from, to)| to - from).sum();
+        let poor_text = if poor_s > 0.0 {
+            say(
+                lang,
+                format!("; poor for {poor_s:.1} s in all"),
+                format!("、不確かな区間は計 {poor_s:.1} 秒"),
+            )
+        } else {
+            String::new()
+        };
+        add(
+            "Uncertainty (1 σ)",
+            "不確かさ (1 σ)",
+            say(
+                lang,
+                format!("tilt up to {tilt:.2}°, heading up to {heading:.2}°{poor_text}"),
+                format!("傾き 最大 {tilt:.2}°、方位 最大 {heading:.2}°{poor_text}"),
+            ),
+        );
+    }
     if let Some(axis) = &plan.args.forward {
         add("Forward", "前方", say(lang, format!("sensor {axis}"), format!("センサの {axis}")));
     }
@@ -158,7 +217,7 @@ fn facts(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Vec<(
 fn filter_text(method: Method, plan: &Plan) -> String {
     let name = plan.args.filter.name();
     match method {
-        Method::Gyro | Method::GyroRk4 => name.to_owned(),
+        Method::Estimate | Method::EstimateOnline | Method::Gyro | Method::GyroRk4 => name.to_owned(),
         Method::Mahony { kp, ki } => format!("{name} (kp {kp}, ki {ki})"),
         Method::MahonyAdaptive { gain, ki } => format!(
             "{name} (kp {} → {}, ki {ki}, {} / {} / {} / {} m/s²)",

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use shisei_core::Quaternion;
+use shisei_core::orient::Orientation;
 use shisei_record::Recording;
 use shisei_record::write::{self, Column, Decimals};
 
@@ -41,18 +41,24 @@ pub fn recording(out: &mut dyn Write, format: Format, recording: &Recording) -> 
     }
 }
 
-/// Writes `time_s, q_w … q_z, yaw, pitch, roll` and the kept columns of the input. `angles` are in the unit that
-/// the columns' names say: `rad` or `deg`.
+/// Writes `time_s, q_w … q_z, yaw, pitch, roll`, how sure the estimator is, and the kept columns of the input.
+/// `angles` are in the unit of `unit`: its name in the columns' names, and how many of it are a radian.
 pub fn orientation(
     out: &mut dyn Write,
     format: Format,
     recording: &Recording,
-    world_from_body: &[Quaternion],
+    orientation: &Orientation,
     angles: &[[f64; 3]],
-    unit: &str,
+    (unit, per_rad): (&str, f64),
 ) -> io::Result<()> {
-    let quaternions: Vec<[f64; 4]> = world_from_body.iter().map(|q| q.to_array()).collect();
-    let angle_names = ["yaw", "pitch", "roll"].map(|name| format!("{name}_{unit}"));
+    let quaternions: Vec<[f64; 4]> = orientation.world_from_body.iter().map(|q| q.to_array()).collect();
+    let with_unit = |name: &str| format!("{name}_{unit}");
+    let angle_names = ["yaw", "pitch", "roll"].map(with_unit);
+    let sigma_names = ["sigma_tilt", "sigma_heading"].map(with_unit);
+    let sigmas = orientation.certainty.as_ref().map(|certainty| {
+        [&certainty.sigma_tilt_rad, &certainty.sigma_heading_rad]
+            .map(|sigma| sigma.iter().map(|&s| s * per_rad).collect::<Vec<f64>>())
+    });
     let mut names = vec!["time_s", "q_w", "q_x", "q_y", "q_z"];
     let mut columns = vec![Column::Numbers(&recording.time_s)];
     for offset in 0..4 {
@@ -61,6 +67,14 @@ pub fn orientation(
     for (offset, name) in angle_names.iter().enumerate() {
         names.push(name);
         columns.push(Column::Strided { values: angles.as_flattened(), stride: 3, offset });
+    }
+    if let (Some(sigmas), Some(certainty)) = (&sigmas, &orientation.certainty) {
+        for (name, sigma) in sigma_names.iter().zip(sigmas) {
+            names.push(name);
+            columns.push(Column::Numbers(sigma));
+        }
+        names.push("rest");
+        columns.push(Column::Flags(&certainty.rest));
     }
     for extra in &recording.extra {
         names.push(&extra.name);

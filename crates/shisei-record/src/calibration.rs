@@ -5,12 +5,37 @@
 
 use serde_json::{Map, Value, json};
 use shisei_core::calibration::{Calibration, SensorModel};
+use shisei_core::estimator::{CALIBRATION_STATES, Calibration as Learnt};
 use shisei_core::{Lang, Vec3};
 
 /// What the key `format` says.
 pub const FORMAT: &str = "shisei-calibration";
 /// The version written here, and the only one read.
 pub const VERSION: u64 = 1;
+
+/// What the key `method` says of a calibration that the estimator learnt.
+const LEARNT_METHOD: &str = "estimator";
+/// The order of the estimator's covariance: biases in rad/s and m/s², the gyroscope matrix row by row, scales.
+const LEARNT_ORDER: [&str; CALIBRATION_STATES] = [
+    "gyro_bias_x",
+    "gyro_bias_y",
+    "gyro_bias_z",
+    "acc_bias_x",
+    "acc_bias_y",
+    "acc_bias_z",
+    "gyro_matrix_xx",
+    "gyro_matrix_xy",
+    "gyro_matrix_xz",
+    "gyro_matrix_yx",
+    "gyro_matrix_yy",
+    "gyro_matrix_yz",
+    "gyro_matrix_zx",
+    "gyro_matrix_zy",
+    "gyro_matrix_zz",
+    "acc_scale_x",
+    "acc_scale_y",
+    "acc_scale_z",
+];
 
 /// A calibration and everything its file says about it.
 #[derive(Clone, Debug, PartialEq)]
@@ -134,6 +159,37 @@ impl CalibrationFile {
         Ok(CalibrationFile { calibration, document })
     }
 
+    /// A file of what the estimator learnt of a sensor, with its covariance.
+    pub fn from_learnt(learnt: &Learnt, gravity_m_s2: f64, created: &str) -> Self {
+        let calibration = Calibration {
+            accelerometer: SensorModel { bias: learnt.acc_bias_m_s2, matrix: learnt.acc_matrix },
+            gyroscope: SensorModel { bias: learnt.gyro_bias_rad_s, matrix: learnt.gyro_matrix },
+        };
+        let mut file = CalibrationFile::new(calibration, LEARNT_METHOD, gravity_m_s2, created);
+        file.set("covariance", json!({ "order": LEARNT_ORDER, "values": learnt.covariance }));
+        file
+    }
+
+    /// What the estimator starts from: nothing where the file has no covariance of its kind.
+    pub fn learnt(&self) -> Option<Learnt> {
+        let covariance = self.document.get("covariance")?;
+        let order: Vec<&str> =
+            covariance.get("order")?.as_array()?.iter().filter_map(Value::as_str).collect();
+        if order != LEARNT_ORDER {
+            return None;
+        }
+        let rows: Vec<[f64; CALIBRATION_STATES]> =
+            covariance.get("values")?.as_array()?.iter().filter_map(numbers).collect();
+        let (acc, gyro) = (&self.calibration.accelerometer, &self.calibration.gyroscope);
+        Some(Learnt {
+            gyro_bias_rad_s: gyro.bias,
+            gyro_matrix: gyro.matrix,
+            acc_bias_m_s2: acc.bias,
+            acc_matrix: acc.matrix,
+            covariance: rows.try_into().ok()?,
+        })
+    }
+
     /// The text of a file, ending in a line feed.
     pub fn to_json(&self) -> String {
         // A map of finite numbers and strings always serialises.
@@ -164,9 +220,13 @@ fn model(
 }
 
 fn vector(value: &Value) -> Option<Vec3> {
-    let numbers: Vec<f64> =
+    numbers(value)
+}
+
+fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
+    let all: Vec<f64> =
         value.as_array()?.iter().filter_map(Value::as_f64).filter(|v| v.is_finite()).collect();
-    numbers.try_into().ok()
+    all.try_into().ok()
 }
 
 #[cfg(test)]
@@ -187,6 +247,23 @@ mod tests {
     fn what_is_written_is_read() {
         let file = example();
         assert_eq!(CalibrationFile::from_json(file.to_json().as_bytes()).unwrap(), file);
+    }
+
+    #[test]
+    fn what_the_estimator_learnt_survives_the_file() {
+        let identity = [[1.0, 0.0, 0.0], [0.0, 1.01, 0.0], [0.002, 0.0, 1.0]];
+        let learnt = Learnt::with_sigmas(
+            ([0.1, -0.2, 0.3], identity),
+            ([0.01, 0.0, 0.02], identity),
+            1e-3,
+            0.02,
+            1e-4,
+            2e-4,
+        );
+        let file = CalibrationFile::from_learnt(&learnt, 9.8, "2026-01-02T03:04:05Z");
+        let again = CalibrationFile::from_json(file.to_json().as_bytes()).unwrap();
+        assert_eq!(again.learnt(), Some(learnt));
+        assert_eq!(example().learnt(), None);
     }
 
     #[test]

@@ -155,7 +155,7 @@ fn sigma_of(found: &SixFace) -> Calibration {
 }
 
 fn document(args: &Calibrate, found: &SixFace, recording: &Recording) -> CalibrationFile {
-    let created = jiff::Timestamp::now().round(jiff::Unit::Second).map(|t| t.to_string()).unwrap_or_default();
+    let created = crate::calibration::now();
     let mut file = CalibrationFile::new(found.calibration, "six-face", args.gravity, &created);
     if let Some(sensor) =
         args.sensor_id.clone().or_else(|| (!recording.sensor.is_empty()).then(|| recording.sensor.clone()))

@@ -110,7 +110,7 @@ fn new_file(
     method: &str,
     recording: &Recording,
 ) -> CalibrationFile {
-    let created = jiff::Timestamp::now().round(jiff::Unit::Second).map(|t| t.to_string()).unwrap_or_default();
+    let created = crate::calibration::now();
     let mut file = CalibrationFile::new(calibration, method, args.gravity, &created);
     if let Some(sensor) =
         args.sensor_id.clone().or_else(|| (!recording.sensor.is_empty()).then(|| recording.sensor.clone()))

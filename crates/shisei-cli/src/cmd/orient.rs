@@ -74,6 +74,8 @@ pub struct Places {
     pub csv: PathBuf,
     pub html: Option<PathBuf>,
     pub png: Option<PathBuf>,
+    /// What the estimator learnt.
+    pub learnt: Option<PathBuf>,
 }
 
 impl Places {
@@ -82,7 +84,12 @@ impl Places {
         let args = &plan.args;
         let csv = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.orientation.csv")));
         let html = args.report.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.html")));
-        Places { csv, html: (!args.no_report).then_some(html), png: args.plot.clone() }
+        Places {
+            csv,
+            html: (!args.no_report).then_some(html),
+            png: args.plot.clone(),
+            learnt: args.save_calibration.clone(),
+        }
     }
 
     /// In a folder, for one of many.
@@ -91,6 +98,7 @@ impl Places {
             csv: folder.join(format!("{stem}.orientation.csv")),
             html: (!plan.args.no_report).then(|| folder.join(format!("{stem}.html"))),
             png: None,
+            learnt: None,
         }
     }
 }
@@ -102,9 +110,20 @@ fn plan(args: Orient, lang: Lang) -> Outcome<Plan> {
     }
     let calibration = args.calibration.as_deref().map(|path| calibration::read(path, lang)).transpose()?;
     options.counts_ok = calibration.is_some();
+    let method = method(&args, lang)?;
+    // The estimator takes what it learnt itself, with its doubt; any other calibration corrects the readings.
+    let sensor = calibration.as_ref().filter(|_| method.starts_in_motion()).and_then(CalibrationFile::learnt);
+    let calibration = if sensor.is_some() { None } else { calibration };
+    if args.save_calibration.is_some() && !method.starts_in_motion() {
+        return Err(Failure::input(say(
+            lang,
+            "--save-calibration needs --filter shisei or shisei-online; the other filters learn nothing of the sensor",
+            "--save-calibration は --filter shisei または shisei-online で使えます。他のフィルタはセンサの特性を学習しません",
+        )));
+    }
     let rest = parse_rest(&args.rest, lang)?;
     let settings = orient::Settings {
-        method: method(&args, lang)?,
+        method,
         rest: RestChoice::Auto,
         relative: match args.relative {
             Relative::World => orient::Relative::World,
@@ -113,6 +132,7 @@ fn plan(args: Orient, lang: Lang) -> Outcome<Plan> {
         },
         forward_axis_body: args.forward.as_deref().map(|text| parse_axis(text, lang)).transpose()?,
         gravity_m_s2: args.gravity,
+        sensor,
     };
     let inputs = args.files.iter().chain(&args.calibration).cloned().collect();
     let writer = Writer { force: args.force, lang, inputs };
@@ -126,7 +146,9 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     let format = Format::of(&places.csv);
     let kind = format.kind(Kind::Orientation);
     plan.writer.check(&places.csv, kind).map_err(refuse)?;
-    for (path, kind) in [(&places.html, Kind::Html), (&places.png, Kind::Png)] {
+    for (path, kind) in
+        [(&places.html, Kind::Html), (&places.png, Kind::Png), (&places.learnt, Kind::Calibration)]
+    {
         if let Some(path) = path {
             plan.writer.check(path, kind).map_err(refuse)?;
         }
@@ -155,10 +177,19 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
         staged.push(plan.writer.stage(path, Kind::Png, |out| out.write_all(&picture)).map_err(refuse)?);
         outputs.push(path.clone());
     }
+    if let (Some(path), Some(learnt)) = (&places.learnt, &orientation.learnt) {
+        let text = calibration::learnt(learnt, plan.args.gravity).to_json();
+        staged.push(
+            plan.writer
+                .stage(path, Kind::Calibration, |out| out.write_all(text.as_bytes()))
+                .map_err(refuse)?,
+        );
+        outputs.push(path.clone());
+    }
     let (unit, factor) = if plan.args.degrees { ("deg", DEG_PER_RAD) } else { ("rad", 1.0) };
     let table = |out: &mut dyn std::io::Write| {
         let angles: Vec<[f64; 3]> = ypr_rad.iter().map(|ypr| ypr.map(|angle| angle * factor)).collect();
-        tables::orientation(out, format, &recording, &orientation.world_from_body, &angles, unit)
+        tables::orientation(out, format, &recording, &orientation, &angles, (unit, factor))
     };
     staged.push(plan.writer.stage(&places.csv, kind, table).map_err(refuse)?);
     plan.writer.finish(staged).map_err(refuse)?;
@@ -250,6 +281,8 @@ fn warnings(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Ve
 fn method(args: &Orient, lang: Lang) -> Outcome<Method> {
     let ki = args.ki.unwrap_or(0.0);
     let method = match args.filter {
+        FilterName::Shisei => Method::Estimate,
+        FilterName::ShiseiOnline => Method::EstimateOnline,
         FilterName::Gyro => Method::Gyro,
         FilterName::GyroRk4 => Method::GyroRk4,
         FilterName::Mahony => Method::Mahony { kp: args.kp.unwrap_or(0.2), ki },
@@ -277,7 +310,7 @@ fn method(args: &Orient, lang: Lang) -> Outcome<Method> {
             ("--alpha", args.alpha.is_some()),
         ],
         FilterName::MahonyAdaptive => vec![("--alpha", args.alpha.is_some())],
-        FilterName::Complementary | FilterName::Gyro | FilterName::GyroRk4 => vec![
+        _ => vec![
             ("--kp", args.kp.is_some()),
             ("--ki", args.ki.is_some()),
             ("--kp-min", args.kp_min.is_some()),

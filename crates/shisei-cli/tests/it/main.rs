@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod calibration;
+mod dialects;
 mod many;
 mod orientation;
 mod run;

@@ -28,6 +28,32 @@ fn a_directory_goes_on_past_bad_files() {
 }
 
 #[test]
+fn a_thousand_recordings_with_twenty_bad_ones() {
+    let desk = Desk::new();
+    std::fs::create_dir(desk.file("in")).unwrap();
+    let pelvis = std::fs::read_to_string(example("pelvis.csv")).unwrap();
+    let short: String = pelvis.lines().take(400).map(|line| format!("{line}\n")).collect();
+    for k in 0..1000 {
+        let text = if k % 50 == 7 { "Time,Ax[m/s2]\n0,oops\n" } else { &short };
+        desk.put(&format!("in/r{k:04}.csv"), text);
+    }
+    let ran = desk.run(&["orient", "in", "-o", "out", "--no-report", "--json"]);
+    assert_eq!(ran.code, 1);
+    let summary: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one JSON object");
+    assert_eq!(summary["results"].as_array().map(Vec::len), Some(980));
+    assert_eq!(summary["failed"].as_array().map(Vec::len), Some(20));
+    assert_eq!(std::fs::read_dir(desk.file("out")).unwrap().count(), 980);
+    let sentences = ran
+        .stderr
+        .lines()
+        .filter(|line| line.contains("r0") && line.contains("in/") && !line.contains(" Hz "))
+        .count();
+    assert_eq!(sentences, 20, "{}", ran.stderr);
+    #[cfg(target_os = "linux")]
+    assert!(desk.peak_memory_kb(&["orient", "in", "-o", "out", "--no-report"]) < 100_000);
+}
+
+#[test]
 fn a_directory_without_recordings_is_said() {
     let desk = Desk::new();
     std::fs::create_dir(desk.file("in")).unwrap();

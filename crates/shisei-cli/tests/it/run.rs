@@ -57,6 +57,24 @@ impl Desk {
         ran(self.command(args).stdin(Stdio::null()).output().expect("the command"))
     }
 
+    /// The most memory the command held, kB.
+    #[cfg(target_os = "linux")]
+    pub fn peak_memory_kb(&self, args: &[&str]) -> u64 {
+        let mut child =
+            self.command(args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("the command");
+        let status = format!("/proc/{}/status", child.id());
+        let mut peak = 0;
+        while child.try_wait().expect("the command").is_none() {
+            let text = std::fs::read_to_string(&status).unwrap_or_default();
+            let line = text.lines().find_map(|line| line.strip_prefix("VmHWM:"));
+            let kb = line.and_then(|line| line.trim().trim_end_matches(" kB").parse().ok());
+            peak = peak.max(kb.unwrap_or(0));
+            std::thread::sleep(std::time::Duration::from_millis(5));
+        }
+        assert!(peak > 0, "the command's memory was never seen");
+        peak
+    }
+
     /// With bytes on standard input, given `times` over or until the command stops reading.
     pub fn pipe(&self, args: &[&str], bytes: &[u8], times: usize) -> Ran {
         let mut child = self

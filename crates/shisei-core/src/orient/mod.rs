@@ -5,10 +5,13 @@
 //! the rest is the reference wherever it lies. Across a gap the rate is unknown: the filter starts anew there,
 //! levelled by the first half second of acceleration, with the yaw it had.
 
+mod estimated;
+
 use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::error::{Error, Result};
+use crate::estimator::Calibration;
 use crate::filter::{
     self, AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroRk4, Mahony, MahonyAdaptive,
 };
@@ -26,6 +29,10 @@ const LEVEL_S: f64 = 0.5;
 /// The filter and its settings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Method {
+    /// The estimator's smoother, [`crate::estimator::smooth`]: every attitude from the whole recording.
+    Estimate,
+    /// The estimator as it runs live, [`crate::estimator::Estimator`]: every attitude from the samples before it.
+    EstimateOnline,
     /// The gyroscope alone, exact steps.
     Gyro,
     /// The gyroscope alone, Runge–Kutta steps.
@@ -54,7 +61,7 @@ pub enum Method {
 /// Where the bias and the start come from.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RestChoice {
-    /// The first rest of at least 1 s.
+    /// The first rest of at least 1 s. Where there is none the estimator goes without; the classic filters refuse.
     Auto,
     /// Given by its rows; [`rows_between`] finds them by time.
     Rows {
@@ -82,7 +89,7 @@ pub enum Relative {
 /// All that [`orient`] can be told.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Settings {
-    /// The filter; default Mahony with kp 0.2, ki 0.
+    /// The filter; default [`Method::Estimate`].
     pub method: Method,
     /// The rest; default [`RestChoice::Auto`].
     pub rest: RestChoice,
@@ -92,16 +99,19 @@ pub struct Settings {
     pub forward_axis_body: Option<Vec3>,
     /// Gravity where the recording was made, m/s²; default 9.80665.
     pub gravity_m_s2: f64,
+    /// What is known of the sensor, for the estimator only: it corrects the readings itself. Default none.
+    pub sensor: Option<Calibration>,
 }
 
 impl Default for Settings {
     fn default() -> Self {
         Settings {
-            method: Method::Mahony { kp: 0.2, ki: 0.0 },
+            method: Method::Estimate,
             rest: RestChoice::Auto,
             relative: Relative::World,
             forward_axis_body: None,
             gravity_m_s2: crate::STANDARD_GRAVITY_M_S2,
+            sensor: None,
         }
     }
 }
@@ -119,6 +129,21 @@ pub struct Orientation {
     pub gyro_bias_rad_s: Vec3,
     /// What angles are relative to.
     pub relative: Relative,
+    /// How sure the estimator is; none for the classic filters.
+    pub certainty: Option<Certainty>,
+    /// What the estimator learnt of the sensor; none for the classic filters.
+    pub learnt: Option<Calibration>,
+}
+
+/// How sure the estimator is of each attitude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certainty {
+    /// Standard deviation of the tilt, rad.
+    pub sigma_tilt_rad: Vec<f64>,
+    /// Standard deviation of the heading since the start, rad.
+    pub sigma_heading_rad: Vec<f64>,
+    /// Whether the sensor is at rest.
+    pub rest: Vec<bool>,
 }
 
 impl Orientation {
@@ -158,19 +183,49 @@ pub fn orient(
     filter::check_rows(gyro_rad_s, 0)?;
     let gravity = filter::positive("gravity", settings.gravity_m_s2)?;
 
-    let rest = find_rest(acc_m_s2, gyro_rad_s, dt_s, settings)?;
+    let rest = match find_rest(acc_m_s2, gyro_rad_s, dt_s, settings) {
+        Err(Error::NoRest { .. }) if settings.method.starts_in_motion() => None,
+        found => found?,
+    };
     let (origin, gyro_bias_rad_s, level) = match &rest {
         Some(rest) => (rest.start, rest::gyro_bias(&gyro_rad_s[rest.clone()])?, rest.clone()),
         None => (0, [0.0; 3], 0..after(dt_s, 0, LEVEL_S)),
     };
-    let start = initial::from_mean_acceleration(rest::mean(&acc_m_s2[level])?)?;
-    let turn = match settings.forward_axis_body {
-        Some(axis) => heading::from_forward_axis(start, axis)?,
-        None => Quaternion::IDENTITY,
+    let level = initial::from_mean_acceleration(rest::mean(&acc_m_s2[level])?)?;
+    let mut found = Orientation {
+        world_from_body: Vec::new(),
+        start: level,
+        rest,
+        gyro_bias_rad_s,
+        relative: settings.relative,
+        certainty: None,
+        learnt: None,
     };
-    let start = turn.product(start);
+    if settings.method.starts_in_motion() {
+        let online = settings.method == Method::EstimateOnline;
+        if settings.sensor.is_some() {
+            found.gyro_bias_rad_s = [0.0; 3];
+        }
+        let rest = found.rest.as_ref().map(|rest| (rest, level));
+        let bias = found.gyro_bias_rad_s;
+        let estimate = estimated::run((acc_m_s2, gyro_rad_s, dt_s), settings, online, bias, rest)?;
+        found.start = estimate.start;
+        found.world_from_body = estimate.world_from_body;
+        found.certainty = Some(estimate.certainty);
+        found.learnt = Some(estimate.learnt);
+        if let Some(axis) = settings.forward_axis_body {
+            let turn = heading::from_forward_axis(found.start, axis)?;
+            found.start = turn.product(found.start);
+            found.world_from_body.iter_mut().for_each(|q| *q = turn.product(*q));
+        }
+        return Ok(found);
+    }
+    if let Some(axis) = settings.forward_axis_body {
+        found.start = heading::from_forward_axis(level, axis)?.product(level);
+    }
+    let start = found.start;
     let data = Data { acc: acc_m_s2, gyro: gyro_rad_s, dt: dt_s, bias: gyro_bias_rad_s };
-    let world_from_body = match settings.method {
+    found.world_from_body = match settings.method {
         Method::Gyro => data.run(origin, start, GyroIntegrator::new),
         Method::GyroRk4 => data.run(origin, start, GyroRk4::new),
         Method::Mahony { kp, ki } => data.run(origin, start, |q| Mahony::new(q, kp, ki)),
@@ -178,8 +233,16 @@ pub fn orient(
             data.run(origin, start, |q| MahonyAdaptive::new(q, gain, ki, gravity))
         }
         Method::Complementary { alpha } => data.run(origin, start, |q| Complementary::new(q, alpha, gravity)),
+        Method::Estimate | Method::EstimateOnline => Ok(Vec::new()), // done above
     }?;
-    Ok(Orientation { world_from_body, start, rest, gyro_bias_rad_s, relative: settings.relative })
+    Ok(found)
+}
+
+impl Method {
+    /// True for the estimator, which needs no rest.
+    pub fn starts_in_motion(self) -> bool {
+        matches!(self, Method::Estimate | Method::EstimateOnline)
+    }
 }
 
 fn find_rest(acc: &[Vec3], gyro: &[Vec3], dt_s: &[f64], settings: &Settings) -> Result<Option<Range<usize>>> {
@@ -315,10 +378,21 @@ mod tests {
         (alloc::vec![[0.0, 0.0, G]; rows], gyro, alloc::vec![1.0 / RATE_HZ; rows])
     }
 
+    /// The classic default.
+    fn mahony() -> Settings {
+        Settings { method: Method::Mahony { kp: 0.2, ki: 0.0 }, ..Settings::default() }
+    }
+
     #[test]
     fn bias_of_the_rest_is_removed_and_the_turn_remains() {
+        for method in [Method::Estimate, Method::EstimateOnline, Method::Mahony { kp: 0.2, ki: 0.0 }] {
+            check_turn(method);
+        }
+    }
+
+    fn check_turn(method: Method) {
         let (acc, gyro, dt) = turntable(6.0, 0.0..3.0, 0.5, 0.02);
-        let found = orient(&acc, &gyro, &dt, &Settings::default()).unwrap();
+        let found = orient(&acc, &gyro, &dt, &Settings { method, ..Settings::default() }).unwrap();
         assert!(found.gyro_bias_rad_s.iter().all(|b| (b - 0.02).abs() < 1e-3), "{found:?}");
         let yaw = found.ypr(599).yaw_rad;
         assert!((yaw - 1.5).abs() < 0.01, "{yaw}");
@@ -328,7 +402,7 @@ mod tests {
     fn rows_before_a_late_rest_are_reached_backward() {
         // Turns for 2 s, rests 3 s, turns 1 s: yaw must run from −2 through 0 to +1.
         let (acc, gyro, dt) = turntable(6.0, 2.0..5.0, 1.0, -0.01);
-        let found = orient(&acc, &gyro, &dt, &Settings::default()).unwrap();
+        let found = orient(&acc, &gyro, &dt, &mahony()).unwrap();
         assert!(found.rest.as_ref().is_some_and(|rest| rest.start > 150), "{:?}", found.rest);
         assert!((found.ypr(0).yaw_rad + 2.0).abs() < 0.04, "{:?}", found.ypr(0));
         assert!((found.ypr(599).yaw_rad - 1.0).abs() < 0.02, "{:?}", found.ypr(599));
@@ -344,7 +418,7 @@ mod tests {
         dt[400] = 10.0;
         let mut gyro = alloc::vec![[0.0; 3]; 800];
         gyro[400] = [1.0, 1.0, 1.0];
-        let found = orient(&acc, &gyro, &dt, &Settings::default()).unwrap();
+        let found = orient(&acc, &gyro, &dt, &mahony()).unwrap();
         let ypr = found.ypr(401);
         assert!((ypr.roll_rad - 0.5235987755982988).abs() < 1e-9 && ypr.yaw_rad.abs() < 1e-9, "{ypr:?}");
     }
@@ -352,7 +426,7 @@ mod tests {
     #[test]
     fn given_rest_and_refusals() {
         let (acc, gyro, dt) = turntable(6.0, 0.0..3.0, 0.5, 0.02);
-        let with = |rest| orient(&acc, &gyro, &dt, &Settings { rest, ..Settings::default() });
+        let with = |rest| orient(&acc, &gyro, &dt, &Settings { rest, ..mahony() });
         let time: Vec<f64> = (0..600).map(|k| f64::from(k) / RATE_HZ).collect();
         let rows = rows_between(&time, 1.0, 2.0);
         let found = with(RestChoice::Rows { start: rows.start, end: rows.end }).unwrap();
@@ -362,8 +436,10 @@ mod tests {
             Err(Error::TooFewPoints { given: 0, needed: 10 })
         ));
         let moving = turntable(6.0, 9.0..10.0, 0.9, 0.02);
-        let none = orient(&moving.0, &moving.1, &moving.2, &Settings::default());
+        let none = orient(&moving.0, &moving.1, &moving.2, &mahony());
         assert!(matches!(none, Err(Error::NoRest { .. })), "{none:?}");
+        let (acc, gyro, dt) = &moving;
+        assert!(orient(acc, gyro, dt, &Settings::default()).is_ok_and(|found| found.rest.is_none()));
         let forward = Settings { forward_axis_body: Some([0.0, 0.0, 1.0]), ..Settings::default() };
         assert!(matches!(orient(&acc, &gyro, &dt, &forward), Err(Error::AxisNearVertical { .. })));
     }
