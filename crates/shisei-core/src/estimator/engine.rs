@@ -48,7 +48,7 @@ pub(super) struct Step<const N: usize> {
 }
 
 impl<const N: usize> Step<N> {
-    pub fn empty() -> Self {
+    pub(super) fn empty() -> Self {
         let none = Measured { u: [0.0; N], root: 0.0, innovation: 0.0 };
         Step {
             transition: [[0.0; super::model::STATES]; 9],
@@ -97,7 +97,7 @@ pub(super) struct Engine<const N: usize> {
 
 impl<const N: usize> Engine<N> {
     /// Starts level to `sigma_tilt`, rad, with what is known of the sensor.
-    pub fn new(
+    pub(super) fn new(
         model: &Model,
         gravity: f64,
         known: Option<&Calibration>,
@@ -132,7 +132,7 @@ impl<const N: usize> Engine<N> {
 
     /// Starts level anew, as after a gap; what was learnt of the sensor stays. The attitude's heading gets the
     /// standard deviation `sigma_more`, rad, on top of what it had.
-    pub fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64, sigma_more: f64) {
+    pub(super) fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64, sigma_more: f64) {
         let heading = self.covariance.0[PHI + 2][PHI + 2] + sigma_more * sigma_more;
         self.covariance.restart_moving(moving_sigmas(sigma_tilt, crate::math::sqrt(heading)));
         self.nominal.world_from_body = world_from_body;
@@ -146,7 +146,7 @@ impl<const N: usize> Engine<N> {
 
     /// Moves the nominal state by a reading.
     #[inline]
-    pub fn add(&mut self, reading: &Reading) {
+    pub(super) fn add(&mut self, reading: &Reading) {
         let dt = reading.dt_s;
         let now = (reading.gyro, reading.acc);
         let (gyro_before, acc_before, linear_before) = self.last.unwrap_or((now.0, now.1, [0.0; 3]));
@@ -212,7 +212,7 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Ends the interval: covariance, measurements, nominal state.
-    pub fn close(
+    pub(super) fn close(
         &mut self,
         rest: bool,
         optical: Option<(&OpticalPose, &OpticalNoise)>,
@@ -347,13 +347,13 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Covariance of the attitude's error, rad², world axes.
-    pub fn attitude_covariance(&self) -> [Vec3; 3] {
+    pub(super) fn attitude_covariance(&self) -> [Vec3; 3] {
         let p = &self.covariance.0;
         [[p[0][0], p[0][1], p[0][2]], [p[1][0], p[1][1], p[1][2]], [p[2][0], p[2][1], p[2][2]]]
     }
 
     /// False where the numbers no longer describe a sensor that is held by somebody.
-    pub fn is_sound(&self) -> bool {
+    pub(super) fn is_sound(&self) -> bool {
         let n = &self.nominal;
         let within = |v: Vec3, limit: f64| v.iter().all(|x| x.abs() <= limit);
         n.is_finite()

@@ -61,7 +61,7 @@ pub(super) struct Runner<const N: usize, const E: usize> {
 }
 
 impl<const N: usize, const E: usize> Runner<N, E> {
-    pub fn new(settings: &Settings, models: [&Model; E], lever_m: f64) -> Self {
+    pub(super) fn new(settings: &Settings, models: [&Model; E], lever_m: f64) -> Self {
         let start = |model: &Model| Self::fresh(settings, model, lever_m);
         Runner {
             settings: *settings,
@@ -88,7 +88,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
 
     /// Takes a sample. `rest` overrules the search for rests; `pose` is the optical pose of the sample; `record`
     /// receives what the end of an interval did in the first filter.
-    pub fn take(
+    pub(super) fn take(
         &mut self,
         sample: &Sample,
         rest: Option<bool>,
@@ -134,7 +134,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     }
 
     /// Ends a level that is still being found; false where there is none.
-    pub fn finish_level(&mut self) -> bool {
+    pub(super) fn finish_level(&mut self) -> bool {
         let Some(level) = self.level else { return false };
         self.start(&level, None);
         true
@@ -204,7 +204,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     }
 
     /// The attitude of the first filter, or of the level while it is being found.
-    pub fn attitude(&self) -> Quaternion {
+    pub(super) fn attitude(&self) -> Quaternion {
         match &self.level {
             Some(level) => level.attitude(),
             None => self.engines[0].nominal.world_from_body,

@@ -52,7 +52,7 @@ pub(super) struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    pub fn sample(&self, k: usize) -> Sample {
+    pub(super) fn sample(&self, k: usize) -> Sample {
         Sample { gyro_rad_s: self.gyro[k], acc_m_s2: self.acc[k], dt_s: self.dt.at(k) }
     }
 
@@ -81,13 +81,13 @@ pub(super) struct Forward<const N: usize, const E: usize> {
 }
 
 impl<const N: usize, const E: usize> Forward<N, E> {
-    pub fn new(runner: Runner<N, E>) -> Self {
+    pub(super) fn new(runner: Runner<N, E>) -> Self {
         Forward { runner, next: 0, start: 0, started: false, given_up: false }
     }
 
     /// Takes a sample; gives the state as the filter has it (while the level is being found, the attitude as the
     /// gyroscope carries it), and the segment that it ends.
-    pub fn push(
+    pub(super) fn push(
         &mut self,
         sample: &Sample,
         rest: Option<bool>,
@@ -128,7 +128,7 @@ impl<const N: usize, const E: usize> Forward<N, E> {
     }
 
     /// Ends the segment under way, with the recording.
-    pub fn finish(&mut self) -> Option<Segment<N>> {
+    pub(super) fn finish(&mut self) -> Option<Segment<N>> {
         let rows = self.next;
         if self.start >= rows {
             return None;
@@ -164,7 +164,7 @@ impl<const N: usize, const E: usize> Forward<N, E> {
 
 impl<const N: usize> Forward<N, 1> {
     /// The next segment of a recording; `state` receives each sample's state as the filter has it.
-    pub fn segment(
+    pub(super) fn segment(
         &mut self,
         recording: &Recording<'_>,
         mut state: impl FnMut(usize, &Nominal),
