@@ -57,11 +57,18 @@ impl<const N: usize> Step<N> {
             measured: [(Row::State(0), none); MEASUREMENTS],
         }
     }
+}
 
+/// Where measurements are kept, if anywhere.
+struct Record<'a, const N: usize>(Option<&'a mut Step<N>>);
+
+impl<const N: usize> Record<'_, N> {
     fn keep(&mut self, row: Row<N>, measured: Measured<N>) {
-        if let Some(slot) = self.measured.get_mut(self.count) {
+        if let Some(step) = self.0.as_deref_mut()
+            && let Some(slot) = step.measured.get_mut(step.count)
+        {
             *slot = (row, measured);
-            self.count += 1;
+            step.count += 1;
         }
     }
 }
@@ -106,14 +113,13 @@ impl<const N: usize> Engine<N> {
         lever_m: f64,
     ) -> Self {
         let mut covariance = Covariance::zero();
-        match known {
-            Some(known) => known.start_covariance(model, &mut covariance),
-            None => {
-                covariance.set_diagonal(BG, 3, model.gyro_bias_start);
-                covariance.set_diagonal(BA, 3, model.acc_bias_start);
-                covariance.set_diagonal(MG, 9, model.gyro_matrix_start);
-                covariance.set_diagonal(SA, 3, model.acc_scale_start);
-            }
+        if let Some(known) = known {
+            known.start_covariance(model, &mut covariance);
+        } else {
+            covariance.set_diagonal(BG, 3, model.gyro_bias_start);
+            covariance.set_diagonal(BA, 3, model.acc_bias_start);
+            covariance.set_diagonal(MG, 9, model.gyro_matrix_start);
+            covariance.set_diagonal(SA, 3, model.acc_scale_start);
         }
         covariance.set_diagonal(LEVER, N - LEVER, lever_m);
         let mut engine = Engine {
@@ -216,7 +222,7 @@ impl<const N: usize> Engine<N> {
         &mut self,
         rest: bool,
         optical: Option<(&OpticalPose, &OpticalNoise)>,
-        record: Option<&mut Step<N>>,
+        mut record: Option<&mut Step<N>>,
     ) {
         let sums = core::mem::take(&mut self.sums);
         let t = sums.time_s;
@@ -233,11 +239,13 @@ impl<const N: usize> Engine<N> {
         let v = self.nominal.velocity;
         self.speed_squared += (t / SPEED_MEAN_S).min(1.0) * (vector::dot(v, v) - self.speed_squared);
 
-        let mut spare = Step::empty();
-        let step = record.unwrap_or(&mut spare);
-        step.transition = phi;
-        step.before = self.nominal;
-        step.count = 0;
+        if let Some(step) = record.as_deref_mut() {
+            step.transition = phi;
+            step.before = self.nominal;
+            step.count = 0;
+        }
+        let mut step = Record(record);
+        let step = &mut step;
         let mut error = [0.0; N];
         match optical {
             Some((pose, noise)) => self.measure_pose(pose, noise, &mut error, step),
@@ -250,7 +258,7 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Bounded motion: velocity and position are zero, more or less.
-    fn measure_bounds(&mut self, rest: bool, t: f64, error: &mut [f64; N], step: &mut Step<N>) {
+    fn measure_bounds(&mut self, rest: bool, t: f64, error: &mut [f64; N], step: &mut Record<'_, N>) {
         let m = &self.model;
         let sq = |x: f64| x * x;
         let speed = if rest {
@@ -272,7 +280,7 @@ impl<const N: usize> Engine<N> {
     }
 
     /// At rest the mean rate is the bias.
-    fn measure_rest(&mut self, sums: &Interval, error: &mut [f64; N], step: &mut Step<N>) {
+    fn measure_rest(&mut self, sums: &Interval, error: &mut [f64; N], step: &mut Record<'_, N>) {
         let mean = vector::scale(sums.gyro, 1.0 / sums.time_s);
         let r = self.model.rest_rate * self.model.rest_rate / sums.time_s;
         for j in 0..3 {
@@ -293,7 +301,7 @@ impl<const N: usize> Engine<N> {
         pose: &OpticalPose,
         noise: &OpticalNoise,
         error: &mut [f64; N],
-        step: &mut Step<N>,
+        step: &mut Record<'_, N>,
     ) {
         let q = self.nominal.world_from_body;
         let turn = pose.world_from_body.product(q.conjugate()).to_rotation_vector();

@@ -190,9 +190,4 @@ impl Interval {
         self.motion_squared += vector::dot(linear, linear) * dt;
         self.time_s += dt;
     }
-
-    /// Mean raw rate, rad/s.
-    pub(super) fn mean_gyro(&self) -> Vec3 {
-        vector::scale(self.gyro, 1.0 / self.time_s)
-    }
 }

@@ -202,14 +202,6 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         let off = vector::norm(vector::sub(self.force_mean, [0.0, 0.0, g]));
         self.strange_s = if off <= WATCH_SHARE * g { 0.0 } else { self.strange_s + sums.time_s };
     }
-
-    /// The attitude of the first filter, or of the level while it is being found.
-    pub(super) fn attitude(&self) -> Quaternion {
-        match &self.level {
-            Some(level) => level.attitude(),
-            None => self.engines[0].nominal.world_from_body,
-        }
-    }
 }
 
 /// The turn about the world's z that brings the heading of `from` nearest to that of `to`.
