@@ -136,6 +136,16 @@ impl<const N: usize> Engine<N> {
         engine
     }
 
+    /// Doubts the accelerometer more: what is known of bias and scale may be off by `off`, m/s².
+    pub(super) fn doubt_accelerometer(&mut self, off: f64) {
+        let share = off / self.gravity;
+        for j in 0..3 {
+            let p = &mut self.covariance.0;
+            p[BA + j][BA + j] = p[BA + j][BA + j].max(off * off);
+            p[SA + j][SA + j] = p[SA + j][SA + j].max(0.25 * share * share);
+        }
+    }
+
     /// Starts level anew, as after a gap; what was learnt of the sensor stays. The attitude's heading gets the
     /// standard deviation `sigma_more`, rad, on top of what it had.
     pub(super) fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64, sigma_more: f64) {

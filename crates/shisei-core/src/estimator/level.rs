@@ -8,6 +8,9 @@ use crate::math;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
+/// Accelerations that vary by more than this are those of a sensor in motion, m/s².
+const MOVING: f64 = 0.3;
+
 /// Mean acceleration in axes that do not turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leveller {
@@ -51,6 +54,15 @@ impl Leveller {
             initial::level(Quaternion::IDENTITY, self.sum)
         };
         turn.product(self.carried).normalized()
+    }
+
+    /// How far the mean acceleration is from gravity, m/s², where nothing else moves: what an accelerometer that
+    /// was never calibrated shows.
+    pub(super) fn off_gravity(&self, gravity: f64) -> f64 {
+        let n = self.count.max(1.0);
+        let mean = vector::scale(self.sum, 1.0 / n);
+        let spread = self.squares / n - vector::dot(mean, mean);
+        if spread > MOVING * MOVING { 0.0 } else { (vector::norm(mean) - gravity).abs() }
     }
 
     /// Standard deviation of its tilt, rad: `rest` where nothing moves; where the acceleration varies by s, up to

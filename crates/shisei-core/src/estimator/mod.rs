@@ -34,6 +34,8 @@ mod segments;
 mod settings;
 #[cfg(feature = "alloc")]
 mod smoother;
+mod watch;
+
 #[cfg(feature = "alloc")]
 pub use bridge::{BridgeSettings, Bridged, bridge};
 pub use calibration::{CALIBRATION_STATES, Calibration};
