@@ -29,12 +29,12 @@ pub(super) struct Adjoint<const N: usize> {
 
 impl<const N: usize> Adjoint<N> {
     /// Nothing is known of what comes later.
-    pub fn new(with_matrix: bool) -> Self {
+    pub(super) fn new(with_matrix: bool) -> Self {
         Adjoint { vector: [0.0; N], matrix: [[0.0; N]; N], with_matrix }
     }
 
     /// The error of a filtered state, as later samples see it.
-    pub fn error(&self, p: &Covariance<N>) -> [f64; N] {
+    pub(super) fn error(&self, p: &Covariance<N>) -> [f64; N] {
         let mut error = [0.0; N];
         for (slot, row) in error.iter_mut().zip(&p.0) {
             for (a, b) in row.iter().zip(&self.vector) {
@@ -45,7 +45,7 @@ impl<const N: usize> Adjoint<N> {
     }
 
     /// Covariance of the smoothed attitude.
-    pub fn attitude_covariance(&self, p: &Covariance<N>) -> [Vec3; 3] {
+    pub(super) fn attitude_covariance(&self, p: &Covariance<N>) -> [Vec3; 3] {
         let mut out = [[0.0; 3]; 3];
         for r in 0..3 {
             let mut row = [0.0; N];
@@ -70,7 +70,7 @@ impl<const N: usize> Adjoint<N> {
     }
 
     /// Variance of the smoothed error state `index`.
-    pub fn variance(&self, p: &Covariance<N>, index: usize) -> f64 {
+    pub(super) fn variance(&self, p: &Covariance<N>, index: usize) -> f64 {
         let mut sum = p.0[index][index];
         for (factor, later) in p.0[index].iter().zip(&self.matrix) {
             let mut row = 0.0;
@@ -83,7 +83,7 @@ impl<const N: usize> Adjoint<N> {
     }
 
     /// Back through the end of an interval: its measurements, then its transition.
-    pub fn back(&mut self, step: &Step<N>) {
+    pub(super) fn back(&mut self, step: &Step<N>) {
         for (row, measured) in step.measured[..step.count].iter().rev() {
             let h = match row {
                 Row::State(index) => {
@@ -186,7 +186,7 @@ impl<const N: usize> Adjoint<N> {
     }
 
     /// Back through a start anew: of the moving states only the heading is the one before.
-    pub fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         for k in (0..MOVING).filter(|&k| k != 2) {
             self.vector[k] = 0.0;
             self.matrix[k] = [0.0; N];
@@ -197,7 +197,7 @@ impl<const N: usize> Adjoint<N> {
     }
 
     /// Back through a start of which nothing before is known.
-    pub fn forget(&mut self) {
+    pub(super) fn forget(&mut self) {
         *self = Adjoint::new(self.with_matrix);
     }
 }

@@ -83,18 +83,18 @@ pub(super) struct Measured<const N: usize> {
 pub(super) struct Covariance<const N: usize>(pub [[f64; N]; N]);
 
 impl<const N: usize> Covariance<N> {
-    pub fn zero() -> Self {
+    pub(super) fn zero() -> Self {
         Covariance([[0.0; N]; N])
     }
 
-    pub fn set_diagonal(&mut self, first: usize, count: usize, sigma: f64) {
+    pub(super) fn set_diagonal(&mut self, first: usize, count: usize, sigma: f64) {
         for k in first..first + count {
             self.0[k][k] = sigma * sigma;
         }
     }
 
     /// `Φ P Φᵀ` for the sparse transition.
-    pub fn propagate(&mut self, t: &Transition) {
+    pub(super) fn propagate(&mut self, t: &Transition) {
         let mut moved = [[0.0; N]; MOVING];
         for r in 0..MOVING {
             let mut row = [0.0; N];
@@ -127,14 +127,14 @@ impl<const N: usize> Covariance<N> {
     }
 
     /// Measurement z of the error state `index` with variance r: moves `error`, shrinks the covariance.
-    pub fn measure(&mut self, error: &mut [f64; N], index: usize, z: f64, r: f64) -> Measured<N> {
+    pub(super) fn measure(&mut self, error: &mut [f64; N], index: usize, z: f64, r: f64) -> Measured<N> {
         let column = self.0[index];
         let innovation = z - error[index];
         self.subtract(error, &column, innovation, column[index] + r)
     }
 
     /// As [`Covariance::measure`], of the combination `h · error`.
-    pub fn measure_row(&mut self, error: &mut [f64; N], h: &[f64; N], z: f64, r: f64) -> Measured<N> {
+    pub(super) fn measure_row(&mut self, error: &mut [f64; N], h: &[f64; N], z: f64, r: f64) -> Measured<N> {
         let mut column = [0.0; N];
         for (k, &factor) in h.iter().enumerate() {
             if factor != 0.0 {
@@ -168,7 +168,7 @@ impl<const N: usize> Covariance<N> {
     }
 
     /// Forgets how the moving states relate to all others, and sets their variances.
-    pub fn restart_moving(&mut self, sigma: [f64; MOVING]) {
+    pub(super) fn restart_moving(&mut self, sigma: [f64; MOVING]) {
         for k in 0..MOVING {
             for c in 0..N {
                 self.0[k][c] = 0.0;
@@ -179,7 +179,7 @@ impl<const N: usize> Covariance<N> {
     }
 
     /// True when every variance is finite and not negative beyond rounding.
-    pub fn is_sound(&self) -> bool {
+    pub(super) fn is_sound(&self) -> bool {
         (0..N).all(|k| self.0[k][k].is_finite() && self.0[k][k] > -1e-9)
     }
 }

@@ -48,7 +48,7 @@ pub(super) struct Step<const N: usize> {
 }
 
 impl<const N: usize> Step<N> {
-    pub fn empty() -> Self {
+    pub(super) fn empty() -> Self {
         let none = Measured { u: [0.0; N], root: 0.0, innovation: 0.0 };
         Step {
             transition: [[0.0; super::model::STATES]; 9],
@@ -57,11 +57,18 @@ impl<const N: usize> Step<N> {
             measured: [(Row::State(0), none); MEASUREMENTS],
         }
     }
+}
 
+/// Where measurements are kept, if anywhere.
+struct Record<'a, const N: usize>(Option<&'a mut Step<N>>);
+
+impl<const N: usize> Record<'_, N> {
     fn keep(&mut self, row: Row<N>, measured: Measured<N>) {
-        if let Some(slot) = self.measured.get_mut(self.count) {
+        if let Some(step) = self.0.as_deref_mut()
+            && let Some(slot) = step.measured.get_mut(step.count)
+        {
             *slot = (row, measured);
-            self.count += 1;
+            step.count += 1;
         }
     }
 }
@@ -97,7 +104,7 @@ pub(super) struct Engine<const N: usize> {
 
 impl<const N: usize> Engine<N> {
     /// Starts level to `sigma_tilt`, rad, with what is known of the sensor.
-    pub fn new(
+    pub(super) fn new(
         model: &Model,
         gravity: f64,
         known: Option<&Calibration>,
@@ -106,14 +113,13 @@ impl<const N: usize> Engine<N> {
         lever_m: f64,
     ) -> Self {
         let mut covariance = Covariance::zero();
-        match known {
-            Some(known) => known.start_covariance(model, &mut covariance),
-            None => {
-                covariance.set_diagonal(BG, 3, model.gyro_bias_start);
-                covariance.set_diagonal(BA, 3, model.acc_bias_start);
-                covariance.set_diagonal(MG, 9, model.gyro_matrix_start);
-                covariance.set_diagonal(SA, 3, model.acc_scale_start);
-            }
+        if let Some(known) = known {
+            known.start_covariance(model, &mut covariance);
+        } else {
+            covariance.set_diagonal(BG, 3, model.gyro_bias_start);
+            covariance.set_diagonal(BA, 3, model.acc_bias_start);
+            covariance.set_diagonal(MG, 9, model.gyro_matrix_start);
+            covariance.set_diagonal(SA, 3, model.acc_scale_start);
         }
         covariance.set_diagonal(LEVER, N - LEVER, lever_m);
         let mut engine = Engine {
@@ -130,9 +136,19 @@ impl<const N: usize> Engine<N> {
         engine
     }
 
+    /// Doubts the accelerometer more: what is known of bias and scale may be off by `off`, m/s².
+    pub(super) fn doubt_accelerometer(&mut self, off: f64) {
+        let share = off / self.gravity;
+        for j in 0..3 {
+            let p = &mut self.covariance.0;
+            p[BA + j][BA + j] = p[BA + j][BA + j].max(off * off);
+            p[SA + j][SA + j] = p[SA + j][SA + j].max(0.25 * share * share);
+        }
+    }
+
     /// Starts level anew, as after a gap; what was learnt of the sensor stays. The attitude's heading gets the
     /// standard deviation `sigma_more`, rad, on top of what it had.
-    pub fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64, sigma_more: f64) {
+    pub(super) fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64, sigma_more: f64) {
         let heading = self.covariance.0[PHI + 2][PHI + 2] + sigma_more * sigma_more;
         self.covariance.restart_moving(moving_sigmas(sigma_tilt, crate::math::sqrt(heading)));
         self.nominal.world_from_body = world_from_body;
@@ -146,7 +162,7 @@ impl<const N: usize> Engine<N> {
 
     /// Moves the nominal state by a reading.
     #[inline]
-    pub fn add(&mut self, reading: &Reading) {
+    pub(super) fn add(&mut self, reading: &Reading) {
         let dt = reading.dt_s;
         let now = (reading.gyro, reading.acc);
         let (gyro_before, acc_before, linear_before) = self.last.unwrap_or((now.0, now.1, [0.0; 3]));
@@ -212,11 +228,11 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Ends the interval: covariance, measurements, nominal state.
-    pub fn close(
+    pub(super) fn close(
         &mut self,
         rest: bool,
         optical: Option<(&OpticalPose, &OpticalNoise)>,
-        record: Option<&mut Step<N>>,
+        mut record: Option<&mut Step<N>>,
     ) {
         let sums = core::mem::take(&mut self.sums);
         let t = sums.time_s;
@@ -233,11 +249,13 @@ impl<const N: usize> Engine<N> {
         let v = self.nominal.velocity;
         self.speed_squared += (t / SPEED_MEAN_S).min(1.0) * (vector::dot(v, v) - self.speed_squared);
 
-        let mut spare = Step::empty();
-        let step = record.unwrap_or(&mut spare);
-        step.transition = phi;
-        step.before = self.nominal;
-        step.count = 0;
+        if let Some(step) = record.as_deref_mut() {
+            step.transition = phi;
+            step.before = self.nominal;
+            step.count = 0;
+        }
+        let mut step = Record(record);
+        let step = &mut step;
         let mut error = [0.0; N];
         match optical {
             Some((pose, noise)) => self.measure_pose(pose, noise, &mut error, step),
@@ -250,7 +268,7 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Bounded motion: velocity and position are zero, more or less.
-    fn measure_bounds(&mut self, rest: bool, t: f64, error: &mut [f64; N], step: &mut Step<N>) {
+    fn measure_bounds(&mut self, rest: bool, t: f64, error: &mut [f64; N], step: &mut Record<'_, N>) {
         let m = &self.model;
         let sq = |x: f64| x * x;
         let speed = if rest {
@@ -272,7 +290,7 @@ impl<const N: usize> Engine<N> {
     }
 
     /// At rest the mean rate is the bias.
-    fn measure_rest(&mut self, sums: &Interval, error: &mut [f64; N], step: &mut Step<N>) {
+    fn measure_rest(&mut self, sums: &Interval, error: &mut [f64; N], step: &mut Record<'_, N>) {
         let mean = vector::scale(sums.gyro, 1.0 / sums.time_s);
         let r = self.model.rest_rate * self.model.rest_rate / sums.time_s;
         for j in 0..3 {
@@ -293,7 +311,7 @@ impl<const N: usize> Engine<N> {
         pose: &OpticalPose,
         noise: &OpticalNoise,
         error: &mut [f64; N],
-        step: &mut Step<N>,
+        step: &mut Record<'_, N>,
     ) {
         let q = self.nominal.world_from_body;
         let turn = pose.world_from_body.product(q.conjugate()).to_rotation_vector();
@@ -347,13 +365,13 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Covariance of the attitude's error, rad², world axes.
-    pub fn attitude_covariance(&self) -> [Vec3; 3] {
+    pub(super) fn attitude_covariance(&self) -> [Vec3; 3] {
         let p = &self.covariance.0;
         [[p[0][0], p[0][1], p[0][2]], [p[1][0], p[1][1], p[1][2]], [p[2][0], p[2][1], p[2][2]]]
     }
 
     /// False where the numbers no longer describe a sensor that is held by somebody.
-    pub fn is_sound(&self) -> bool {
+    pub(super) fn is_sound(&self) -> bool {
         let n = &self.nominal;
         let within = |v: Vec3, limit: f64| v.iter().all(|x| x.abs() <= limit);
         n.is_finite()

@@ -64,7 +64,7 @@ fn readable(v: Vec3, limit: f64) -> bool {
 }
 
 impl Guard {
-    pub fn check(&mut self, sample: &Sample, settings: &Settings) -> Checked {
+    pub(super) fn check(&mut self, sample: &Sample, settings: &Settings) -> Checked {
         let dt = sample.dt_s;
         if !(dt > 0.0 && dt < f64::INFINITY) {
             return Checked::Useless;

@@ -8,6 +8,9 @@ use crate::math;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
+/// Accelerations that vary by more than this are those of a sensor in motion, m/s².
+const MOVING: f64 = 0.3;
+
 /// Mean acceleration in axes that do not turn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leveller {
@@ -25,14 +28,14 @@ pub(super) struct Leveller {
 
 impl Leveller {
     /// From an attitude whose heading is to be kept, or from none.
-    pub fn new(from: Option<Quaternion>, heading_more: f64) -> Self {
+    pub(super) fn new(from: Option<Quaternion>, heading_more: f64) -> Self {
         let (first, carried) = (from.is_none(), from.unwrap_or(Quaternion::IDENTITY));
         Leveller { carried, first, sum: [0.0; 3], squares: 0.0, count: 0.0, time_s: 0.0, heading_more }
     }
 
     /// Takes a reading; `rate` is its corrected rate, rad/s, `force` its corrected acceleration. The first
     /// reading's step lies before the start.
-    pub fn add(&mut self, reading: &Reading, rate: Vec3, force: Vec3) {
+    pub(super) fn add(&mut self, reading: &Reading, rate: Vec3, force: Vec3) {
         if self.count > 0.0 {
             self.carried = advance(self.carried, vector::scale(rate, 0.5 * reading.dt_s));
             self.time_s += reading.dt_s;
@@ -44,7 +47,7 @@ impl Leveller {
     }
 
     /// The attitude now: carried along, and levelled.
-    pub fn attitude(&self) -> Quaternion {
+    pub(super) fn attitude(&self) -> Quaternion {
         let turn = if self.first && self.sum != [0.0; 3] {
             initial::from_direction(self.sum, 0.0)
         } else {
@@ -53,9 +56,18 @@ impl Leveller {
         turn.product(self.carried).normalized()
     }
 
+    /// How far the mean acceleration is from gravity, m/s², where nothing else moves: what an accelerometer that
+    /// was never calibrated shows.
+    pub(super) fn off_gravity(&self, gravity: f64) -> f64 {
+        let n = self.count.max(1.0);
+        let mean = vector::scale(self.sum, 1.0 / n);
+        let spread = self.squares / n - vector::dot(mean, mean);
+        if spread > MOVING * MOVING { 0.0 } else { (vector::norm(mean) - gravity).abs() }
+    }
+
     /// Standard deviation of its tilt, rad: `rest` where nothing moves; where the acceleration varies by s, up to
     /// s/g more, for motion does not average out in so short a time.
-    pub fn sigma(&self, rest: f64, gravity: f64) -> f64 {
+    pub(super) fn sigma(&self, rest: f64, gravity: f64) -> f64 {
         let n = self.count.max(1.0);
         let mean = vector::scale(self.sum, 1.0 / n);
         let spread = (self.squares / n - vector::dot(mean, mean)).max(0.0) / (gravity * gravity);

@@ -10,6 +10,7 @@ use super::level::Leveller;
 use super::online::{State, check};
 use super::rest::RestFinder;
 use super::settings::Settings;
+use super::watch::Watch;
 use crate::error::Result;
 use crate::filter::Filter;
 use crate::filter::exponential::{advance, exp_half};
@@ -48,6 +49,7 @@ pub struct LightEstimator {
     bias: Vec3,
     covariance: Covariance<LIGHT>,
     speed_squared: f64,
+    watch: Watch,
     sums: Sums,
     last: Option<Reading>,
     state: State,
@@ -84,6 +86,7 @@ impl LightEstimator {
             bias: [0.0; 3],
             covariance,
             speed_squared: 0.0,
+            watch: Watch::new(settings.gravity_m_s2),
             sums: Sums::default(),
             last: None,
             state,
@@ -100,7 +103,7 @@ impl LightEstimator {
         if gap_s.is_some() {
             self.finder.restart();
         }
-        let rest = self.finder.update(&self.settings.rest, reading.gyro, reading.acc, reading.dt_s);
+        let rest = self.finder.update(&self.settings.rest, &reading);
         let rate = vector::sub(reading.gyro, self.bias);
         if gap_s.is_some() || (!self.started && self.level.is_none()) {
             let more = (gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s).min(core::f64::consts::PI);
@@ -148,6 +151,7 @@ impl LightEstimator {
         self.covariance.set_diagonal(VEL, 3, 0.3);
         self.velocity = [0.0; 3];
         self.speed_squared = 0.0;
+        self.watch = Watch::new(self.settings.gravity_m_s2);
         self.sums = Sums::default();
         self.last = None;
         self.level = None;
@@ -230,7 +234,9 @@ impl LightEstimator {
             self.velocity[j] += error[VEL + j];
             self.bias[j] += error[BIAS + j];
         }
-        let sound = self.q.is_finite()
+        let strange = sums.blind_s == 0.0 && self.watch.update(sums.force, t);
+        let sound = !strange
+            && self.q.is_finite()
             && self.covariance.is_sound()
             && self.bias.iter().all(|b| b.abs() <= BIAS_LIMIT)
             && self.velocity.iter().all(|v| v.abs() <= SPEED_LIMIT);

@@ -1,4 +1,18 @@
 //! The estimator: attitude with its uncertainty, from a gyroscope and an accelerometer.
+//!
+//! An error-state Kalman filter of attitude, velocity, position, gyroscope bias, accelerometer bias, gyroscope
+//! matrix and accelerometer scale. It knows gravity, rests, and that what is held by somebody does not go away: its
+//! speed and its place are bounded. From that it learns the sensor's errors while it moves. docs/en/estimator.md
+//! has the equations, every setting, what was measured and where it fails.
+//!
+//! - [`Estimator`]: live, sample by sample, without an allocator; [`LightEstimator`]: smaller, for microcontrollers;
+//! - [`FixedLag`]: live with a delay of up to a few seconds;
+//! - [`smooth`]: a recording;
+//! - [`bridge`]: a recording that an optical system sees most of the time;
+//! - [`Calibration`]: what was learnt of a sensor, to start from.
+// What the backward pass reads is written by the forward pass, which is there without an allocator too.
+#![cfg_attr(not(feature = "alloc"), allow(dead_code))]
+
 #[cfg(feature = "alloc")]
 mod backward;
 #[cfg(feature = "alloc")]
@@ -20,6 +34,8 @@ mod segments;
 mod settings;
 #[cfg(feature = "alloc")]
 mod smoother;
+mod watch;
+
 #[cfg(feature = "alloc")]
 pub use bridge::{BridgeSettings, Bridged, bridge};
 pub use calibration::{CALIBRATION_STATES, Calibration};

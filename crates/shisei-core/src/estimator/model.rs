@@ -57,7 +57,7 @@ pub(super) struct Nominal {
 }
 
 impl Nominal {
-    pub fn new(world_from_body: Quaternion) -> Self {
+    pub(super) fn new(world_from_body: Quaternion) -> Self {
         Nominal {
             world_from_body,
             velocity: [0.0; 3],
@@ -72,7 +72,7 @@ impl Nominal {
 
     /// The corrected rate, rad/s.
     #[inline]
-    pub fn rate(&self, gyro: Vec3) -> Vec3 {
+    pub(super) fn rate(&self, gyro: Vec3) -> Vec3 {
         let m = &self.gyro_matrix;
         let turned = [vector::dot(m[0], gyro), vector::dot(m[1], gyro), vector::dot(m[2], gyro)];
         vector::sub(vector::sub(gyro, self.gyro_bias), turned)
@@ -80,13 +80,13 @@ impl Nominal {
 
     /// The corrected specific force, m/s².
     #[inline]
-    pub fn force(&self, acc: Vec3) -> Vec3 {
+    pub(super) fn force(&self, acc: Vec3) -> Vec3 {
         let (b, s) = (self.acc_bias, self.acc_scale);
         [acc[0] - b[0] - s[0] * acc[0], acc[1] - b[1] - s[1] * acc[1], acc[2] - b[2] - s[2] * acc[2]]
     }
 
     /// The state moved by an error.
-    pub fn moved<const N: usize>(&self, error: &[f64; N]) -> Self {
+    pub(super) fn moved<const N: usize>(&self, error: &[f64; N]) -> Self {
         let three = |at: usize| [error[at], error[at + 1], error[at + 2]];
         let turn = exp_half(vector::scale(three(PHI), 0.5));
         Nominal {
@@ -105,7 +105,7 @@ impl Nominal {
         }
     }
 
-    pub fn is_finite(&self) -> bool {
+    pub(super) fn is_finite(&self) -> bool {
         self.world_from_body.is_finite()
             && [
                 self.velocity,
@@ -171,7 +171,7 @@ pub(super) struct Corrected {
 impl Interval {
     /// Adds a sample; `linear` is its acceleration without gravity, m/s², world.
     #[inline]
-    pub fn add(&mut self, sample: &Corrected, linear: Vec3, dt: f64) {
+    pub(super) fn add(&mut self, sample: &Corrected, linear: Vec3, dt: f64) {
         for j in 0..3 {
             for l in 0..3 {
                 let turn = sample.middle[j][l] * dt;
@@ -189,10 +189,5 @@ impl Interval {
         self.rate_squared += vector::dot(sample.rate, sample.rate) * dt;
         self.motion_squared += vector::dot(linear, linear) * dt;
         self.time_s += dt;
-    }
-
-    /// Mean raw rate, rad/s.
-    pub fn mean_gyro(&self) -> Vec3 {
-        vector::scale(self.gyro, 1.0 / self.time_s)
     }
 }

@@ -7,6 +7,7 @@ use super::level::Leveller;
 use super::model::Nominal;
 use super::rest::RestFinder;
 use super::settings::{Model, Settings};
+use super::watch::Watch;
 use crate::math;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
@@ -30,12 +31,8 @@ pub(super) enum Event {
     GivenUp,
 }
 
-/// The mean specific force in the world is watched with this time constant, s.
-const WATCH_S: f64 = 2.0;
-/// No one accelerates by this share of gravity on average over such a time.
-const WATCH_SHARE: f64 = 0.35;
-/// How long it must look so, s.
-const WATCH_HOLD_S: f64 = 1.0;
+/// An accelerometer that at rest is off gravity by more than this, m/s², was not calibrated.
+const UNCALIBRATED: f64 = 0.15;
 /// What the heading may have turned by when the filters are given up, rad.
 const GIVEN_UP_HEADING: f64 = 1.0;
 
@@ -55,13 +52,12 @@ pub(super) struct Runner<const N: usize, const E: usize> {
     started: bool,
     /// What the heading may have turned by since the filters were given up, rad.
     given_up: Option<f64>,
-    force_mean: Vec3,
-    strange_s: f64,
+    watch: Watch,
     lever_m: f64,
 }
 
 impl<const N: usize, const E: usize> Runner<N, E> {
-    pub fn new(settings: &Settings, models: [&Model; E], lever_m: f64) -> Self {
+    pub(super) fn new(settings: &Settings, models: [&Model; E], lever_m: f64) -> Self {
         let start = |model: &Model| Self::fresh(settings, model, lever_m);
         Runner {
             settings: *settings,
@@ -74,8 +70,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             rest: RestFinder::default(),
             started: false,
             given_up: None,
-            force_mean: [0.0, 0.0, settings.gravity_m_s2],
-            strange_s: 0.0,
+            watch: Watch::new(settings.gravity_m_s2),
             lever_m,
         }
     }
@@ -88,7 +83,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
 
     /// Takes a sample. `rest` overrules the search for rests; `pose` is the optical pose of the sample; `record`
     /// receives what the end of an interval did in the first filter.
-    pub fn take(
+    pub(super) fn take(
         &mut self,
         sample: &Sample,
         rest: Option<bool>,
@@ -105,7 +100,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             self.rest.restart();
         }
         let limits = self.settings.rest;
-        let found = self.rest.update(&limits, reading.gyro, reading.acc, reading.dt_s);
+        let found = self.rest.update(&limits, &reading);
         self.at_rest = rest.unwrap_or(found);
         let begins = gap_s.is_some() || self.given_up.is_some() || (self.level.is_none() && !self.started);
         if begins {
@@ -134,7 +129,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     }
 
     /// Ends a level that is still being found; false where there is none.
-    pub fn finish_level(&mut self) -> bool {
+    pub(super) fn finish_level(&mut self) -> bool {
         let Some(level) = self.level else { return false };
         self.start(&level, None);
         true
@@ -143,6 +138,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     /// Ends the level: all filters go on from there, each with its own heading.
     fn start(&mut self, level: &Leveller, pose: Option<&OpticalPose>) {
         let sigma = level.sigma(self.settings.level_sigma_rad, self.settings.gravity_m_s2);
+        let off = if self.started { 0.0 } else { level.off_gravity(self.settings.gravity_m_s2) };
         let first = self.engines[0].nominal.world_from_body;
         for engine in &mut self.engines {
             let own = heading_between(engine.nominal.world_from_body, first);
@@ -151,6 +147,9 @@ impl<const N: usize, const E: usize> Runner<N, E> {
                 q = pose.world_from_body;
             }
             engine.restart(q, sigma, level.heading_more);
+            if off > UNCALIBRATED {
+                engine.doubt_accelerometer(1.5 * off);
+            }
             if let Some(pose) = pose {
                 engine.nominal.position = vector::sub(pose.position_m, q.rotate(engine.nominal.lever));
             }
@@ -158,8 +157,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         self.level = None;
         self.last_level = Some(*level);
         self.started = true;
-        self.strange_s = 0.0;
-        self.force_mean = [0.0, 0.0, self.settings.gravity_m_s2];
+        self.watch = Watch::new(self.settings.gravity_m_s2);
     }
 
     fn close(
@@ -167,11 +165,12 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         pose: Option<(&OpticalPose, &OpticalNoise)>,
         mut record: Option<&mut Step<N>>,
     ) -> Event {
-        self.watch();
+        let sums = &self.engines[0].sums;
+        let strange = sums.blind_force_s == 0.0 && self.watch.update(sums.force, sums.time_s);
         for engine in &mut self.engines {
             engine.close(self.at_rest, pose, record.take());
         }
-        if self.strange_s <= WATCH_HOLD_S && self.engines.iter().all(Engine::is_sound) {
+        if !strange && self.engines.iter().all(Engine::is_sound) {
             return Event::Closed;
         }
         for engine in &mut self.engines {
@@ -186,29 +185,6 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         }
         self.given_up = Some(GIVEN_UP_HEADING);
         Event::GivenUp
-    }
-
-    /// Looks whether the specific force, as the attitude sees it, still is gravity on average.
-    fn watch(&mut self) {
-        let sums = &self.engines[0].sums;
-        if sums.blind_force_s > 0.0 || sums.time_s <= 0.0 {
-            return;
-        }
-        let share = (sums.time_s / WATCH_S).min(1.0);
-        let now = vector::scale(sums.force, 1.0 / sums.time_s);
-        self.force_mean =
-            vector::add(self.force_mean, vector::scale(vector::sub(now, self.force_mean), share));
-        let g = self.settings.gravity_m_s2;
-        let off = vector::norm(vector::sub(self.force_mean, [0.0, 0.0, g]));
-        self.strange_s = if off <= WATCH_SHARE * g { 0.0 } else { self.strange_s + sums.time_s };
-    }
-
-    /// The attitude of the first filter, or of the level while it is being found.
-    pub fn attitude(&self) -> Quaternion {
-        match &self.level {
-            Some(level) => level.attitude(),
-            None => self.engines[0].nominal.world_from_body,
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The forward pass over a recording, segment by segment, with what the backward pass needs of each.
 
 use super::covariance::Covariance;
-use super::engine::{OpticalNoise, OpticalPose, Step};
+use super::engine::{Engine, OpticalNoise, OpticalPose, Step};
 use super::guard::Sample;
 use super::model::Nominal;
 use super::runner::{Event, Runner};
@@ -52,7 +52,7 @@ pub(super) struct Recording<'a> {
 }
 
 impl Recording<'_> {
-    pub fn sample(&self, k: usize) -> Sample {
+    pub(super) fn sample(&self, k: usize) -> Sample {
         Sample { gyro_rad_s: self.gyro[k], acc_m_s2: self.acc[k], dt_s: self.dt.at(k) }
     }
 
@@ -61,7 +61,8 @@ impl Recording<'_> {
         let raw = *self.gyro.get(k)?;
         let dt = self.dt.at(k);
         let readable = raw.iter().all(|x| x.abs() <= settings.gyro_limit_rad_s);
-        if !readable || !(dt > 0.0 && dt <= settings.gap_s) {
+        let usable = dt > 0.0 && dt <= settings.gap_s;
+        if !(readable && usable) {
             return None;
         }
         Some((settings.calibration.as_ref().map_or(raw, |known| known.correct_gyro(raw)), dt))
@@ -78,16 +79,18 @@ pub(super) struct Forward<const N: usize, const E: usize> {
     start: usize,
     started: bool,
     given_up: bool,
+    /// What the end of the last interval did.
+    step: Step<N>,
 }
 
 impl<const N: usize, const E: usize> Forward<N, E> {
-    pub fn new(runner: Runner<N, E>) -> Self {
-        Forward { runner, next: 0, start: 0, started: false, given_up: false }
+    pub(super) fn new(runner: Runner<N, E>) -> Self {
+        Forward { runner, next: 0, start: 0, started: false, given_up: false, step: Step::empty() }
     }
 
     /// Takes a sample; gives the state as the filter has it (while the level is being found, the attitude as the
     /// gyroscope carries it), and the segment that it ends.
-    pub fn push(
+    pub(super) fn push(
         &mut self,
         sample: &Sample,
         rest: Option<bool>,
@@ -95,13 +98,11 @@ impl<const N: usize, const E: usize> Forward<N, E> {
     ) -> (Nominal, Option<Segment<N>>) {
         let k = self.next;
         self.next += 1;
-        let mut step = Step::empty();
-        let (nominal, covariance) = (self.runner.engines[0].nominal, self.runner.engines[0].covariance);
         let carried = |runner: &Runner<N, E>| match &runner.level {
-            Some(level) => Nominal { world_from_body: level.carried, ..nominal },
-            None => nominal,
+            Some(level) => Nominal { world_from_body: level.carried, ..runner.engines[0].nominal },
+            None => runner.engines[0].nominal,
         };
-        match self.runner.take(sample, rest, pose, Some(&mut step)) {
+        match self.runner.take(sample, rest, pose, Some(&mut self.step)) {
             Event::Useless | Event::Levelling => (carried(&self.runner), None),
             Event::LevelBegins => {
                 let q = carried(&self.runner);
@@ -110,61 +111,81 @@ impl<const N: usize, const E: usize> Forward<N, E> {
                 }
                 let samples = self.start..k;
                 self.start = k;
-                (q, Some(Segment { samples, kind: Kind::Tail, before: nominal, nominal, covariance, step }))
+                let Engine { nominal, covariance, .. } = self.runner.engines[0];
+                (
+                    q,
+                    Some(Segment {
+                        samples,
+                        kind: Kind::Tail,
+                        before: nominal,
+                        nominal,
+                        covariance,
+                        step: self.step,
+                    }),
+                )
             }
             Event::Levelled => {
-                let segment = self.levelled(k + 1, step);
+                let segment = self.levelled(k + 1);
                 (segment.before, Some(segment))
             }
             Event::Moved => (self.runner.engines[0].nominal, None),
-            Event::Closed => (step.before, Some(self.end(k + 1, Kind::Interval, step.before, step))),
+            Event::Closed => {
+                let segment = self.end(k + 1, Kind::Interval, self.step.before);
+                (segment.before, Some(segment))
+            }
             Event::GivenUp => {
                 self.given_up = true;
-                let mut segment = self.end(k + 1, Kind::Tail, step.before, step);
-                segment.nominal = step.before;
-                (step.before, Some(segment))
+                let mut segment = self.end(k + 1, Kind::Tail, self.step.before);
+                segment.nominal = segment.before;
+                (segment.before, Some(segment))
             }
         }
     }
 
     /// Ends the segment under way, with the recording.
-    pub fn finish(&mut self) -> Option<Segment<N>> {
+    pub(super) fn finish(&mut self) -> Option<Segment<N>> {
         let rows = self.next;
         if self.start >= rows {
             return None;
         }
-        let mut step = Step::empty();
         if self.runner.finish_level() {
-            return Some(self.levelled(rows, step));
+            return Some(self.levelled(rows));
         }
         let rest = self.runner.at_rest;
         let engine = &mut self.runner.engines[0];
-        step.before = engine.nominal;
+        self.step.before = engine.nominal;
         let kind = if engine.sums.time_s > 0.0 { Kind::Interval } else { Kind::Tail };
-        engine.close(rest, None, Some(&mut step));
-        Some(self.end(rows, kind, step.before, step))
+        engine.close(rest, None, Some(&mut self.step));
+        Some(self.end(rows, kind, self.step.before))
     }
 
-    fn levelled(&mut self, end: usize, step: Step<N>) -> Segment<N> {
+    fn levelled(&mut self, end: usize) -> Segment<N> {
         let carried = self.runner.last_level.map_or(Quaternion::IDENTITY, |level| level.carried);
         let carried = Nominal { world_from_body: carried, ..self.runner.engines[0].nominal };
         let kind = if self.started && !self.given_up { Kind::Level } else { Kind::Start };
         self.started = true;
         self.given_up = false;
-        self.end(end, kind, carried, step)
+        self.end(end, kind, carried)
     }
 
-    fn end(&mut self, end: usize, kind: Kind, before: Nominal, step: Step<N>) -> Segment<N> {
+    fn end(&mut self, end: usize, kind: Kind, before: Nominal) -> Segment<N> {
         let samples = self.start..end;
         self.start = end;
         let engine = &self.runner.engines[0];
-        Segment { samples, kind, before, nominal: engine.nominal, covariance: engine.covariance, step }
+        Segment {
+            samples,
+            kind,
+            before,
+            nominal: engine.nominal,
+            covariance: engine.covariance,
+            step: self.step,
+        }
     }
 }
 
 impl<const N: usize> Forward<N, 1> {
     /// The next segment of a recording; `state` receives each sample's state as the filter has it.
-    pub fn segment(
+    pub(super) fn segment(
         &mut self,
         recording: &Recording<'_>,
         mut state: impl FnMut(usize, &Nominal),

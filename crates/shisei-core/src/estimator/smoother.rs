@@ -83,7 +83,7 @@ pub(super) fn rests(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>, settings: &Settings
             }
             Checked::Next(reading) => reading,
         };
-        rest.push(finder.update(&settings.rest, reading.gyro, reading.acc, reading.dt_s));
+        rest.push(finder.update(&settings.rest, &reading));
     }
     let mut left_s = 0.0;
     for k in (0..rest.len()).rev() {

@@ -1,6 +1,7 @@
 //! The topics: a file of the core each. What is added to the core is added here.
 
 mod calibration;
+mod estimator;
 mod filters;
 mod fits;
 mod motion;
@@ -69,4 +70,10 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
     Topic { name: "earth", run: motion::earth },
     Topic { name: "earth/mean", run: motion::earth_mean },
+    Topic { name: "estimator/online", run: estimator::online },
+    Topic { name: "estimator/light", run: estimator::light },
+    Topic { name: "estimator/lag", run: estimator::lag },
+    Topic { name: "estimator/calibration", run: estimator::calibration },
+    Topic { name: "estimator/smoother", run: estimator::smoother },
+    Topic { name: "estimator/bridge", run: estimator::bridged },
 ];
