@@ -3,5 +3,6 @@
 mod bad_input;
 mod calibration;
 mod many;
+mod measure;
 mod orientation;
 mod run;
