@@ -276,9 +276,10 @@ fn earth_over_a_serial_port() {
         eprintln!("skipped: g++ is not here, or cannot build the sketch");
         return;
     }
-    let (master, mut slave) = serialport::TTYPort::pair().expect("a pseudo-terminal");
-    slave.set_exclusive(false).expect("shared");
+    let (master, slave) = serialport::TTYPort::pair().expect("a pseudo-terminal");
     let port = serialport::SerialPort::name(&slave).expect("its name");
+    // the command wants the port for itself; until it opens it, reading the other end fails
+    drop(slave);
     let mut board = Command::new(&program)
         .arg("serve")
         .stdin(Stdio::piped())
@@ -301,10 +302,13 @@ fn earth_over_a_serial_port() {
         scope.spawn(|| {
             let mut bytes = [0; 256];
             while !over.load(Ordering::Relaxed) {
-                if let Ok(n) = forth.read(&mut bytes)
-                    && to_board.write_all(&bytes[..n]).and_then(|()| to_board.flush()).is_err()
-                {
-                    break;
+                match forth.read(&mut bytes) {
+                    Ok(n) => {
+                        if to_board.write_all(&bytes[..n]).and_then(|()| to_board.flush()).is_err() {
+                            break;
+                        }
+                    }
+                    Err(_) => std::thread::sleep(std::time::Duration::from_millis(5)),
                 }
             }
             drop(to_board); // the sketch ends with its input
