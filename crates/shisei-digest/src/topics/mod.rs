@@ -1,6 +1,7 @@
 //! The topics: a file of the core each. What is added to the core is added here.
 
 mod calibration;
+mod earth;
 mod filters;
 mod fits;
 mod motion;
@@ -69,4 +70,9 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
     Topic { name: "earth", run: motion::earth },
     Topic { name: "earth/mean", run: motion::earth_mean },
+    Topic { name: "earth/direction", run: earth::direction },
+    Topic { name: "earth/fits", run: earth::all_fits },
+    Topic { name: "earth/analysis", run: earth::analyse },
+    Topic { name: "earth/advice", run: earth::advise },
+    Topic { name: "motion/foot", run: earth::foot },
 ];
