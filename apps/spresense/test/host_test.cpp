@@ -125,7 +125,12 @@ int SerialPort::available() {
   return (int)in.size();
 }
 // (the line's read has been renamed with the file's)
-int SerialPort::fake_read() { const int c = in.front(); in.pop_front(); return c; }
+int SerialPort::fake_read() {
+  const int c = in.front();
+  in.pop_front();
+  if (serving && c == 'x' && mode == BLOCKS) direction = (direction + 1) % 8; // the user turns the board
+  return c;
+}
 
 static void type(const char *text) { while (*text) in.push_back(*text++); }
 static std::vector<std::vector<uint8_t>> frames(const std::string &bytes) {

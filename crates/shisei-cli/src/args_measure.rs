@@ -30,6 +30,7 @@ pub enum SchemeName {
     Trapezoid,
 }
 
+#[allow(clippy::struct_excessive_bools)] // each is a switch of the command line
 #[derive(Args, Debug)]
 pub struct Motion {
     /// A recording that begins (and for rest-to-rest ends) at rest

@@ -6,8 +6,10 @@ mod support;
 
 use shisei_core::calibration::SensorModel;
 use shisei_core::calibration::gyro_turns::{self, TurnSettings};
+use shisei_core::calibration::known_turns::{self, TurnAngle};
 use shisei_core::calibration::multi_pose::{self, PARAMETERS, Pose, SigmaSource};
-use shisei_core::calibration::still::StillSegment;
+use shisei_core::calibration::recording::find_parts;
+use shisei_core::calibration::still::{StillSegment, StillSettings, still_segments};
 use shisei_core::{Error, Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3};
 use support::Random;
 
@@ -164,4 +166,63 @@ fn gyroscope_from_turns_with_right_errors() {
         println!("gyro turns: {:.1} % of {total}", 100.0 * inside / total);
         assert!((0.60..0.76).contains(&(inside / total)), "{}", inside / total);
     }
+}
+
+/// Six faces, 2 s each, and on the three upper ones a turn of 360° in 3 s; raw counts.
+#[test]
+fn known_turns_are_found_without_labels() {
+    let mut random = Random(21);
+    let acc_truth = SensorModel {
+        bias: [20.0, -50.0, 30.0],
+        matrix: [[1.01, 0.01, -0.02], [0.02, 0.98, 0.01], [0.0, 0.01, 1.0]]
+            .map(|r| r.map(|v| v * G / 2048.0)),
+    };
+    let scale = core::f64::consts::PI / 180.0 / 16.4;
+    let gyro_truth = SensorModel {
+        bias: [5.0, -8.0, 3.0],
+        matrix: [[1.02, 0.01, 0.0], [-0.01, 0.99, 0.02], [0.01, 0.0, 1.01]].map(|r| r.map(|v| v * scale)),
+    };
+    let (mut acc, mut gyro) = (Vec::new(), Vec::new());
+    let mut push = |a: Vec3, w: Vec3| {
+        let (x, y) = (acc_truth.unapply(a).unwrap(), gyro_truth.unapply(w).unwrap());
+        let (n, m) = (random.normal3(3.0), random.normal3(1.0));
+        acc.push([x[0] + n[0], x[1] + n[1], x[2] + n[2]]);
+        gyro.push([y[0] + m[0], y[1] + m[1], y[2] + m[2]]);
+    };
+    for axis in 0..3 {
+        for sign in [1.0, -1.0] {
+            let mut up = [0.0; 3];
+            up[axis] = sign * G;
+            let turn = if sign > 0.0 { 300 } else { 0 };
+            for k in 0..200 + turn + if turn > 0 { 200 } else { 0 } {
+                let mut rate = [0.0; 3];
+                if turn > 0 && (200..500).contains(&k) {
+                    // one whole period of 1 − cos: starts and ends at rest
+                    let phase = core::f64::consts::TAU * (f64::from(k - 200) + 0.5) / 300.0;
+                    rate[axis] = -core::f64::consts::TAU / 3.0 * (1.0 - phase.cos());
+                }
+                push(up, rate);
+            }
+            for k in 0..100 {
+                // on to the next face: tumbling, nothing the search may take for a rest
+                let t = f64::from(k) * 0.3;
+                push([G * t.sin(), G * t.cos(), 3.0 * (2.0 * t).sin()], [t.sin(), 2.0 * t.cos(), -t.sin()]);
+            }
+        }
+    }
+    let segments = still_segments(&acc, &gyro, 0.01, &StillSettings::default()).unwrap();
+    let parts = find_parts(&acc, &gyro, &segments).unwrap();
+    let found = known_turns::calibrate(&parts, 0.01, TurnAngle::Size(core::f64::consts::TAU), G).unwrap();
+    for i in 0..3 {
+        assert!((found.accelerometer.bias[i] - acc_truth.bias[i]).abs() < 2.0);
+        assert!((found.gyroscope.bias[i] - gyro_truth.bias[i]).abs() < 0.5);
+        for j in 0..3 {
+            let (a, g) = (found.accelerometer.matrix[i][j], found.gyroscope.matrix[i][j]);
+            assert!((a - acc_truth.matrix[i][j]).abs() < 0.002 * G / 2048.0, "{i} {j} {a}");
+            assert!((g - gyro_truth.matrix[i][j]).abs() < 0.003 * scale, "{i} {j} {g}");
+        }
+    }
+    // without one of the turns it is refused
+    let some: Vec<StillSegment> = segments.iter().copied().filter(|s| s.acc_mean[2] < 1000.0).collect();
+    assert!(find_parts(&acc, &gyro, &some).is_err());
 }

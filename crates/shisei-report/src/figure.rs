@@ -343,7 +343,7 @@ mod tests {
         assert!(svg.contains("a &lt;b&gt;") && svg.contains("x &amp; y"));
         assert!(!svg.contains("NaN") && !svg.contains("inf"));
         // the hole breaks the line
-        assert_eq!(svg.matches("d=\"M").count() + svg.matches('M').count() > 4, true);
+        assert!(svg.matches('M').count() > 4);
     }
 
     #[test]

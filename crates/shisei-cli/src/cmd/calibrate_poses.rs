@@ -327,20 +327,17 @@ fn known(args: &Calibrate, recording: &Recording, degrees: f64, lang: Lang) -> R
     let radians = degrees.to_radians();
     let angle = if degrees < 0.0 { TurnAngle::Signed(radians) } else { TurnAngle::Size(radians) };
     let labelled = labelled_rows(recording);
-    let result = match &labelled {
-        Some(rows) => {
-            let part = |k: usize| Part { acc: &rows[k].0, gyro: &rows[k].1 };
-            let parts = Parts {
-                up: [part(0), part(1), part(2)],
-                down: [part(3), part(4), part(5)],
-                turn: [part(6), part(7), part(8)],
-            };
-            known_turns::calibrate(&parts, dt_s, angle, args.gravity)?
-        }
-        None => {
-            let segments = still_segments(acc, gyro, dt_s, &StillSettings::default())?;
-            known_turns::calibrate(&find_parts(acc, gyro, &segments)?, dt_s, angle, args.gravity)?
-        }
+    let result = if let Some(rows) = &labelled {
+        let part = |k: usize| Part { acc: &rows[k].0, gyro: &rows[k].1 };
+        let parts = Parts {
+            up: [part(0), part(1), part(2)],
+            down: [part(3), part(4), part(5)],
+            turn: [part(6), part(7), part(8)],
+        };
+        known_turns::calibrate(&parts, dt_s, angle, args.gravity)?
+    } else {
+        let segments = still_segments(acc, gyro, dt_s, &StillSettings::default())?;
+        known_turns::calibrate(&find_parts(acc, gyro, &segments)?, dt_s, angle, args.gravity)?
     };
     let calibration = Calibration { accelerometer: result.accelerometer, gyroscope: result.gyroscope };
     let mut file = new_file(args, calibration, "gyro-turns", recording);

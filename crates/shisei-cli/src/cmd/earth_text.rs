@@ -94,14 +94,12 @@ fn warnings(a: &Analysis, lang: Lang) -> Vec<String> {
             ),
         ));
     }
-    if let Some(h) = &a.headings_known {
-        if h.counter_clockwise_cost < h.clockwise_cost {
-            out.push(say(
-                lang,
-                "the headings fit better the other way round: are they counter-clockwise, or is z down?",
-                "方位の向きが逆の方がよく合います。反時計回りの方位か、z 軸が下向きではありませんか",
-            ));
-        }
+    if a.headings_known.is_some_and(|h| h.counter_clockwise_cost < h.clockwise_cost) {
+        out.push(say(
+            lang,
+            "the headings fit better the other way round: are they counter-clockwise, or is z down?",
+            "方位の向きが逆の方がよく合います。反時計回りの方位か、z 軸が下向きではありませんか",
+        ));
     }
     out
 }

@@ -4,5 +4,6 @@ mod bad_input;
 mod calibration;
 mod dialects;
 mod many;
+mod measure;
 mod orientation;
 mod run;

@@ -18,9 +18,9 @@ use crate::vector::{self, Vec3};
 pub struct FootSettings {
     /// Length of the stance test's window, s; default 0.05.
     pub window_s: f64,
-    /// s_ω, rad/s; default 0.7. Larger accepts stances in which the foot still rolls.
+    /// s_ω, rad/s; default 0.6. Larger accepts stances in which the foot still rolls.
     pub gyro_scale_rad_s: f64,
-    /// s_a, m/s²; default 0.8.
+    /// s_a, m/s²; default 0.7.
     pub acc_scale_m_s2: f64,
     /// Shorter stances are left out, s; default 0.04.
     pub min_stance_s: f64,
@@ -38,8 +38,8 @@ impl Default for FootSettings {
     fn default() -> Self {
         FootSettings {
             window_s: 0.05,
-            gyro_scale_rad_s: 0.7,
-            acc_scale_m_s2: 0.8,
+            gyro_scale_rad_s: 0.6,
+            acc_scale_m_s2: 0.7,
             min_stance_s: 0.04,
             max_without_rest_s: 5.0,
             band_factor: 2.0,

@@ -152,8 +152,10 @@ impl Track {
 const REST_BLOCK_S: f64 = 0.05;
 const STANCE_INTERVAL_S: f64 = 0.01;
 const STORE_INTERVAL_S: f64 = 0.02;
-/// Kept rows after which the smoother is run at the next rest: bounds the memory to some 100 MB.
-const CHUNK: usize = 15_000;
+/// Kept rows after which the smoother is run at the next rest or stance: bounds the memory to about 200 MB.
+const CHUNK: usize = 60_000;
+/// The same where the end is known, which is to reach back to the start: about 1 GB.
+const CHUNK_WITH_END: usize = 300_000;
 
 /// Navigates through N rows of corrected or raw readings; `phases` says what is known of each row and must hold
 /// a rest. Rows before the first rest stay at the origin.
@@ -440,7 +442,8 @@ impl<'a> Run<'a> {
         {
             self.store(row);
         }
-        if self.stores > CHUNK && resting {
+        let chunk = if self.settings.end.is_some() { CHUNK_WITH_END } else { CHUNK };
+        if self.stores > chunk && self.phases[row] != Phase::Moving {
             self.smooth_back(row);
         }
     }

@@ -1,6 +1,7 @@
 //! The topics: a file of the core each. What is added to the core is added here.
 
 mod calibration;
+mod earth;
 mod estimator;
 mod filters;
 mod fits;
@@ -76,4 +77,9 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "estimator/calibration", run: estimator::calibration },
     Topic { name: "estimator/smoother", run: estimator::smoother },
     Topic { name: "estimator/bridge", run: estimator::bridged },
+    Topic { name: "earth/direction", run: earth::direction },
+    Topic { name: "earth/fits", run: earth::all_fits },
+    Topic { name: "earth/analysis", run: earth::analyse },
+    Topic { name: "earth/advice", run: earth::advise },
+    Topic { name: "motion/foot", run: earth::foot },
 ];

@@ -64,7 +64,7 @@ pub fn rest_to_rest(digest: &mut Digest) {
     digest.push_result(found, |digest, track| push_track(digest, &track));
 }
 
-fn push_track(digest: &mut Digest, track: &Track) {
+pub fn push_track(digest: &mut Digest, track: &Track) {
     for row in 0..track.position_m.len() {
         digest.push_quaternion(track.world_from_body[row]);
         digest.push_vec3(track.velocity_m_s[row]);
