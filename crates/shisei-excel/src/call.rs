@@ -109,7 +109,12 @@ unsafe fn collect(
         rows -= 1;
     }
     let mut data = Vec::with_capacity(rows * cols);
-    for (i, cell) in cells[..rows * cols].iter().enumerate() {
+    // nearly always all cells are numbers
+    // SAFETY: the kind says that the number is meant
+    data.extend(
+        cells[..rows * cols].iter().map_while(|c| (c.kind() == NUMBER).then(|| unsafe { c.value.number })),
+    );
+    for (i, cell) in cells[..rows * cols].iter().enumerate().skip(data.len()) {
         // SAFETY: the kind says which member is meant
         data.push(unsafe {
             match cell.kind() {

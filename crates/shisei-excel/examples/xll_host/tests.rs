@@ -338,6 +338,7 @@ fn speed(xll: &Xll, rows: usize) {
     });
     assert_eq!(last, expected.numbers().expect("numbers"), "same bits through the door");
     let extra = (door - maths) / maths;
+    assert!(extra < 3.0, "the door costs {extra:.2} × the maths");
     println!(
         "XLL, {rows} rows: maths {:.1} ms, through the door {:.1} ms; the door costs {extra:.2} × the maths",
         maths * 1e3,
