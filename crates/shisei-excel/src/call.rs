@@ -110,10 +110,7 @@ unsafe fn collect(
     }
     let mut data = Vec::with_capacity(rows * cols);
     // nearly always all cells are numbers
-    // SAFETY: the kind says that the number is meant
-    data.extend(
-        cells[..rows * cols].iter().map_while(|c| (c.kind() == NUMBER).then(|| unsafe { c.value.number })),
-    );
+    data.extend(cells[..rows * cols].iter().map_while(Xloper12::as_number));
     for (i, cell) in cells[..rows * cols].iter().enumerate().skip(data.len()) {
         // SAFETY: the kind says which member is meant
         data.push(unsafe {

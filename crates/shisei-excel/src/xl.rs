@@ -113,6 +113,17 @@ impl Xloper12 {
         self.xltype & 0xFFF
     }
 
+    /// The number, where it is one.
+    #[inline]
+    pub fn as_number(&self) -> Option<f64> {
+        if self.kind() == NUMBER {
+            // SAFETY: the kind says that the number is meant
+            Some(unsafe { self.value.number })
+        } else {
+            None
+        }
+    }
+
     pub fn blank() -> Self {
         Xloper12 { value: Value { integer: 0 }, xltype: BLANK }
     }
