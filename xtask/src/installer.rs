@@ -26,16 +26,12 @@ pub fn build(project: &Project, files: &WindowsFiles, samples: &[PathBuf]) -> Re
             .map_err(|error| format!("{}: {error}", source.display()))?;
     }
     let msi = project.target().join(format!("shisei-{VERSION}.msi"));
+    // wixl takes files of its own folder only, and grumbles about parts of the language that it passes over
+    let recipe = folder.join("shisei.wxs");
+    std::fs::copy(root.join("apps/excel/shisei.wxs"), &recipe).map_err(|error| error.to_string())?;
     let mut wixl = project.command("wixl");
-    wixl.args([
-        "-a",
-        "x64",
-        "-D",
-        &format!("Version={VERSION}"),
-        "-D",
-        &format!("Files={}", folder.display()),
-    ]);
-    must(wixl.arg("-o").arg(&msi).arg("apps/excel/shisei.wxs"))?;
+    wixl.current_dir(&folder).args(["-a", "x64", "-D", &format!("Version={VERSION}"), "-o"]);
+    must(wixl.arg(&msi).arg("shisei.wxs").stderr(std::process::Stdio::null()))?;
     Ok(msi)
 }
 

@@ -2,13 +2,12 @@
 
 use crate::Done;
 use crate::book::{Block, Book, recording};
-use rust_xlsxwriter::{
-    Chart, ChartFormat, ChartLine, ChartMarker, ChartMarkerType, ChartType, Formula, Worksheet,
-};
+use rust_xlsxwriter::{Chart, ChartFormat, ChartLine, ChartType, Formula, Worksheet};
 use shisei_core::vector;
 use shisei_functions::Input;
 
-const GRAVITY: f64 = 9.80665;
+/// Where the chart draws the windows, m/s²: a strip below the curves.
+const STRIP: f64 = 9.45;
 const WINDOW_S: f64 = 3.0;
 
 pub fn fill(book: &mut Book) -> Done {
@@ -34,7 +33,7 @@ pub fn fill(book: &mut Book) -> Done {
     for face in faces.1.data.chunks(5).filter(|face| face[0] == 1.0) {
         let first = (face[1] / 0.01).round() as u32;
         for row in first..first + (WINDOW_S / 0.01) as u32 {
-            sheet.write_number(1 + row, 23, GRAVITY)?;
+            sheet.write_number(1 + row, 23, STRIP)?;
         }
     }
     faces.0.insert_chart(9, 0, &chart(rows as u32))?;
@@ -91,14 +90,13 @@ fn chart(rows: u32) -> Chart {
             .set_values(("Six faces", 1, col, rows, col))
             .set_format(ChartFormat::new().set_line(&line));
     }
-    let windows = ChartMarker::new().set_type(ChartMarkerType::Square).set_size(5).clone();
+    let strip = ChartLine::new().set_color("#FF7F0E").set_width(5).clone();
     chart
         .add_series()
         .set_name("window / 区間")
         .set_categories(("Six faces", 1, 20, rows, 20))
         .set_values(("Six faces", 1, 23, rows, 23))
-        .set_marker(&windows)
-        .set_format(ChartFormat::new().set_line(ChartLine::new().set_hidden(true)));
+        .set_format(ChartFormat::new().set_line(&strip));
     chart.x_axis().set_name("t [s]");
     chart.y_axis().set_name("m/s²").set_min(9.4).set_max(10.2);
     chart.set_width(980).set_height(460);
