@@ -283,6 +283,21 @@ Private Declare PtrSafe Function c_GetDeadReckoning Lib "shisei.dll" Alias "GetD
     ByVal p_gravity As Double, _
     ByVal p_scheme As Double, _
     ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_EstimateQuaternionSeries Lib "shisei.dll" Alias "EstimateQuaternionSeries" ( _
+    ByRef p_gyro As Double, ByVal p_gyro_rows As Long, ByVal p_gyro_cols As Long, _
+    ByRef p_acc As Double, ByVal p_acc_rows As Long, ByVal p_acc_cols As Long, _
+    ByVal p_dt As Double, _
+    ByVal p_gravity As Double, _
+    ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_EstimateYawPitchRollSeries Lib "shisei.dll" Alias "EstimateYawPitchRollSeries" ( _
+    ByRef p_gyro As Double, ByVal p_gyro_rows As Long, ByVal p_gyro_cols As Long, _
+    ByRef p_acc As Double, ByVal p_acc_rows As Long, ByVal p_acc_cols As Long, _
+    ByVal p_dt As Double, _
+    ByVal p_gravity As Double, _
+    ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_GetSphereFit Lib "shisei.dll" Alias "GetSphereFit" ( _
+    ByRef p_points As Double, ByVal p_points_rows As Long, ByVal p_points_cols As Long, _
+    ByRef result As Double, ByVal result_len As Long) As Long
 
 Private Const KIND_NUMBERS As Long = 0, KIND_TRUTH As Long = 1, KIND_GAPS As Long = 2
 
@@ -1494,4 +1509,62 @@ Public Function DeadReckon(ByVal p_qInitial As Variant, _
     ReDim result(0 To MaxLong(r1 * 6, 1) - 1)
     n = c_GetDeadReckoning(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, result(0), UBound(result) + 1)
     DeadReckon = FromCells(n, result, r1, 6, KIND_NUMBERS)
+End Function
+
+' Attitudes of a whole recording with the best estimator: it finds the start and the rests, learns bias and scale, and uses later samples too. Yaw is 0 at the start; give the whole recording, with its rests.
+Public Function EstimateQuats(ByVal p_gyro As Variant, _
+    ByVal p_acc As Variant, _
+    ByVal p_dt As Variant, _
+    Optional ByVal p_gravity As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_gyro, a0, r0, c0, failed) Then EstimateQuats = failed: Exit Function
+    Dim a1() As Double, r1 As Long, c1 As Long
+    If Not ToCells(p_acc, a1, r1, c1, failed) Then EstimateQuats = failed: Exit Function
+    Dim x2 As Double
+    If True Then
+        If Not ToNumber(p_dt, x2, failed) Then EstimateQuats = failed: Exit Function
+    End If
+    Dim x3 As Double
+    x3 = 9.80665
+    If Not IsMissing(p_gravity) Then
+        If Not ToNumber(p_gravity, x3, failed) Then EstimateQuats = failed: Exit Function
+    End If
+    ReDim result(0 To MaxLong(r0 * 4, 1) - 1)
+    n = c_EstimateQuaternionSeries(a0(0), r0, c0, a1(0), r1, c1, x2, x3, result(0), UBound(result) + 1)
+    EstimateQuats = FromCells(n, result, r0, 4, KIND_NUMBERS)
+End Function
+
+' Yaw, pitch, roll of EstimateQuats.
+Public Function EstimateYprs(ByVal p_gyro As Variant, _
+    ByVal p_acc As Variant, _
+    ByVal p_dt As Variant, _
+    Optional ByVal p_gravity As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_gyro, a0, r0, c0, failed) Then EstimateYprs = failed: Exit Function
+    Dim a1() As Double, r1 As Long, c1 As Long
+    If Not ToCells(p_acc, a1, r1, c1, failed) Then EstimateYprs = failed: Exit Function
+    Dim x2 As Double
+    If True Then
+        If Not ToNumber(p_dt, x2, failed) Then EstimateYprs = failed: Exit Function
+    End If
+    Dim x3 As Double
+    x3 = 9.80665
+    If Not IsMissing(p_gravity) Then
+        If Not ToNumber(p_gravity, x3, failed) Then EstimateYprs = failed: Exit Function
+    End If
+    ReDim result(0 To MaxLong(r0 * 3, 1) - 1)
+    n = c_EstimateYawPitchRollSeries(a0(0), r0, c0, a1(0), r1, c1, x2, x3, result(0), UBound(result) + 1)
+    EstimateYprs = FromCells(n, result, r0, 3, KIND_NUMBERS)
+End Function
+
+' The sphere nearest to points, by least squares: for mean rates in several directions its radius is the Earth's rate.
+Public Function FitSphere(ByVal p_points As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_points, a0, r0, c0, failed) Then FitSphere = failed: Exit Function
+    ReDim result(0 To MaxLong(1 * 4, 1) - 1)
+    n = c_GetSphereFit(a0(0), r0, c0, result(0), UBound(result) + 1)
+    FitSphere = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
