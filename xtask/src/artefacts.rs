@@ -2,11 +2,15 @@
 
 use std::path::PathBuf;
 
+use crate::cross::WINDOWS;
 use crate::project::Project;
 use crate::run::{must, show};
 
 /// The Python that knows UNO: LibreOffice's own on Debian.
 pub const OFFICE_PYTHON: &str = "/usr/bin/python3";
+
+/// The one version of all crates and doors.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The host's shared library, release build.
 pub fn shared_library(project: &Project) -> Result<PathBuf, String> {
@@ -37,4 +41,32 @@ pub fn python_wheel(project: &Project) -> Result<PathBuf, String> {
     wheels
         .find(|path| path.extension().is_some_and(|end| end == "whl"))
         .ok_or("maturin wrote no wheel".into())
+}
+
+/// What the Windows build gives.
+#[derive(Clone, Debug)]
+pub struct WindowsFiles {
+    pub xll: PathBuf,
+    pub dll: PathBuf,
+    pub register: PathBuf,
+}
+
+/// shisei.xll, shisei.dll and the installer's helper.
+pub fn windows_files(project: &Project) -> Result<WindowsFiles, String> {
+    let mut build = WINDOWS.cargo_build(project);
+    must(build.args(["--package", "shisei-excel", "--package", "shisei-capi", "--lib", "--bins"]))?;
+    let products = WINDOWS.products(project);
+    let folder = project.target().join("windows");
+    std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let take = |from: &str, to: &str| -> Result<PathBuf, String> {
+        let (from, to) = (products.join(from), folder.join(to));
+        let mut strip = project.command("x86_64-w64-mingw32-strip");
+        must(strip.arg("--strip-debug").arg("-o").arg(&to).arg(&from))?;
+        Ok(to)
+    };
+    Ok(WindowsFiles {
+        xll: take("shisei_xll.dll", "shisei.xll")?,
+        dll: take("shisei.dll", "shisei.dll")?,
+        register: take("xll-register.exe", "xll-register.exe")?,
+    })
 }

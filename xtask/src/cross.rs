@@ -13,8 +13,10 @@ pub struct Target {
     pub triple: &'static str,
     /// The parts of the library to build from source.
     build_std: &'static str,
-    /// LLVM's linker under the name by which it knows its job.
+    /// The linker; LLVM's under the name by which it knows its job.
     linker: &'static str,
+    /// Debian's package of the linker.
+    linker_package: &'static str,
     /// What gives the active toolchain the target.
     instead: &'static str,
 }
@@ -23,6 +25,7 @@ pub const CORTEX_M4F: Target = Target {
     triple: "thumbv7em-none-eabihf",
     build_std: "core,alloc",
     linker: "ld.lld",
+    linker_package: "lld",
     instead: "rustup target add thumbv7em-none-eabihf",
 };
 
@@ -30,7 +33,17 @@ pub const WASM32: Target = Target {
     triple: "wasm32-unknown-unknown",
     build_std: "std,panic_abort",
     linker: "wasm-ld",
+    linker_package: "lld",
     instead: "rustup target add wasm32-unknown-unknown",
+};
+
+/// With unwinding, so that a fault of ours ends as an error in a cell and not as the end of Excel.
+pub const WINDOWS: Target = Target {
+    triple: "x86_64-pc-windows-gnu",
+    build_std: "std,panic_unwind",
+    linker: "x86_64-w64-mingw32-gcc",
+    linker_package: "gcc-mingw-w64-x86-64",
+    instead: "rustup target add x86_64-pc-windows-gnu",
 };
 
 impl Target {
@@ -44,7 +57,7 @@ impl Target {
                 Apt::file("rustc-web", "/usr/share/doc/rustc-web").or(self.instead),
                 Apt::file("cargo-web", "/usr/share/doc/cargo-web"),
                 Apt::file("rust-web-src", "/usr/share/doc/rust-web-src"),
-                Apt::program("lld", self.linker),
+                Apt::program(self.linker_package, self.linker),
             ],
             ..Needs::default()
         }
@@ -52,9 +65,14 @@ impl Target {
 
     /// `cargo build --release --target …`, for the caller to add what to build.
     pub fn cargo_build(&self, project: &Project) -> Command {
+        self.cargo(project, "build")
+    }
+
+    /// The same with another word than `build` (`rustc` takes options for one product).
+    pub fn cargo(&self, project: &Project, word: &str) -> Command {
         let own = self.in_active_toolchain(project);
         let mut cargo = if own { project.cargo() } else { project.command("/usr/bin/cargo") };
-        cargo.args(["build", "--quiet", "--release", "--target", self.triple, "--target-dir"]);
+        cargo.args([word, "--quiet", "--release", "--target", self.triple, "--target-dir"]);
         cargo.arg(folder(project));
         if !own {
             let name = self.triple.to_uppercase().replace('-', "_");

@@ -3,13 +3,15 @@
 use std::process::ExitCode;
 
 use xtask::project::Project;
-use xtask::{bench, fuzz, suite, tidy};
+use xtask::{bench, dist, fuzz, suite, tidy};
 
 const USAGE: &str = "\
 cargo xtask test [--install] [SUITE …]   run the suites (all without a name); --install fetches what is missing
 cargo xtask test --list                  the suites and what each needs
 cargo xtask tidy                         rules that no compiler holds us to
 cargo xtask bench accuracy               orientation errors on BROAD, ours and our peers' [--install] [--no-peers]
+cargo xtask bench doors                  what Calc, Python and the XLL cost beside the mathematics
+cargo xtask dist [--install]             everything users install, into dist/, with checksums
 cargo xtask soak [MINUTES] [TARGET …]    fuzzes every importer for longer (10 min each)
 ";
 
@@ -20,6 +22,8 @@ fn main() -> ExitCode {
     match words.split_first() {
         Some((&"test", rest)) => suite::command(&project, rest),
         Some((&"bench", ["accuracy", rest @ ..])) => finish(bench::accuracy::command(&project, rest)),
+        Some((&"bench", ["doors", rest @ ..])) => finish(bench::doors::command(&project, rest)),
+        Some((&"dist", rest)) => finish(dist::command(&project, rest)),
         Some((&"soak", rest)) => finish(fuzz::soak(&project, rest)),
         Some((&"tidy", [])) => report_tidy(&project),
         Some((&("help" | "--help" | "-h"), _)) => {

@@ -6,6 +6,7 @@ The functions come from table.json; this file holds no formula. It runs on the P
 Errors leave as NaN with Calc's error code in the low bits, as Calc itself keeps them: every cell of an array
 formula then shows the same code.
 """
+import array
 import ctypes
 import json
 import os
@@ -59,13 +60,13 @@ def refuse(key, **places):
 
 
 def cells(value, arg):
-    """A range to (array, rows, cols): wholly blank rows at the end are dropped, all other cells are numbers."""
+    """A range to (numbers, rows, cols): wholly blank rows at the end are dropped, all other cells are numbers."""
     rows, cols = len(value), len(value[0]) if value else 0
     blank = ("",) * cols
     while rows and tuple("" if x is None else x for x in value[rows - 1]) == blank:
         rows -= 1
     try:
-        return (D * (rows * cols))(*[x for row in value[:rows] for x in row]), rows, cols
+        return array.array("d", [x for row in value[:rows] for x in row]), rows, cols
     except TypeError:
         for r, row in enumerate(value):
             for c, x in enumerate(row):
@@ -115,6 +116,7 @@ def make(entry):
         return (1, 1) if kind == "number" else divmod(size, 1000)
 
     def call(self, *values):
+        code = -1  # what this file refuses itself is a matter of shape
         try:
             passed, ranges = [], []
             for (arg, arg_kind, optional), value in zip(args, values):
@@ -122,17 +124,17 @@ def make(entry):
                     passed.append(number(value, arg, optional))
                 else:
                     ranges.append(cells(referenced(value) if entry["not_finite"] else value, arg))
-                    passed.extend(ranges[-1])
+                    numbers, rows, cols = ranges[-1]
+                    passed += [ctypes.cast(numbers.buffer_info()[0], P), rows, cols]
             rows, cols = shape(ranges)
-            out = (D * max(rows * cols, 1))()
-            n = function(*passed, out, len(out))
-            if n < 0:
+            out = array.array("d", bytes(8 * max(rows * cols, 1)))
+            code = function(*passed, ctypes.cast(out.buffer_info()[0], P), len(out))
+            if code < 0:
                 raise Refused({lang: last_error(lang) for lang in LATEST})
         except Refused as refused:
             sentences = refused.args[0]
-            own = n if "n" in locals() else -1
             LATEST.update({k: v if v.startswith(name) else name + ": " + v for k, v in sentences.items()})
-            return BY_CODE[own] if kind == "number" else ((BY_CODE[own],),)
+            return BY_CODE[code] if kind == "number" else ((BY_CODE[code],),)
         if kind == "number":
             return out[0]
         if kind == "table":

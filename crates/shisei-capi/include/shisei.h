@@ -487,6 +487,33 @@ int32_t GetDeadReckoning(const double *qInitial, int32_t qInitial_rows, int32_t 
     double *gyro, int32_t gyro_rows, int32_t gyro_cols, const double *acc, int32_t acc_rows, int32_t
     acc_cols, double dt, double gravity, double scheme, double *out, int32_t out_len);
 
+/* Attitudes of a whole recording with the best estimator: it finds the start and the rests, learns
+ * bias and scale, and uses later samples too. Yaw is 0 at the start; give the whole recording,
+ * with its rests. (worksheet: EstimateQuats)
+ *   gyro [rad/s], N×3: N×3, one sample a row, as measured
+ *   acc [m/s²], N×3: N×3, the same rows
+ *   dt [s], 1×1: time from row to row
+ *   gravity [m/s²], 1×1: local gravity; NaN: 9.80665
+ *   -> N×4: w, x, y, z */
+int32_t EstimateQuaternionSeries(const double *gyro, int32_t gyro_rows, int32_t gyro_cols, const double
+    *acc, int32_t acc_rows, int32_t acc_cols, double dt, double gravity, double *out, int32_t out_len);
+
+/* Yaw, pitch, roll of EstimateQuats. (worksheet: EstimateYprs)
+ *   gyro [rad/s], N×3: N×3, one sample a row, as measured
+ *   acc [m/s²], N×3: N×3, the same rows
+ *   dt [s], 1×1: time from row to row
+ *   gravity [m/s²], 1×1: local gravity; NaN: 9.80665
+ *   -> N×3: yaw, pitch, roll, rad */
+int32_t EstimateYawPitchRollSeries(const double *gyro, int32_t gyro_rows, int32_t gyro_cols, const double
+    *acc, int32_t acc_rows, int32_t acc_cols, double dt, double gravity, double *out, int32_t out_len);
+
+/* The sphere nearest to points, by least squares: for mean rates in several directions its radius is
+ * the Earth's rate. (worksheet: FitSphere)
+ *   points, N×3: N×3, at least four points
+ *   -> 1×4: centre x, y, z; radius */
+int32_t GetSphereFit(const double *points, int32_t points_rows, int32_t points_cols, double *out, int32_t
+    out_len);
+
 #ifdef __cplusplus
 }
 #endif

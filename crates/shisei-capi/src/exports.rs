@@ -1093,3 +1093,67 @@ pub unsafe extern "C" fn GetDeadReckoning(
     // SAFETY: the caller keeps the contract of shisei.h
     unsafe { call(48, &raw, out, out_len) }
 }
+
+/// EstimateQuats: Attitudes of a whole recording with the best estimator: it finds the start and the rests, learns bias and scale, and uses later samples too. Yaw is 0 at the start; give the whole recording, with its rests.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn EstimateQuaternionSeries(
+    gyro: *const f64,
+    gyro_rows: i32,
+    gyro_cols: i32,
+    acc: *const f64,
+    acc_rows: i32,
+    acc_cols: i32,
+    dt: f64,
+    gravity: f64,
+    out: *mut f64,
+    out_len: i32,
+) -> i32 {
+    let raw = [
+        Raw::Range(gyro, gyro_rows, gyro_cols),
+        Raw::Range(acc, acc_rows, acc_cols),
+        Raw::Number(dt),
+        Raw::Number(gravity),
+    ];
+    // SAFETY: the caller keeps the contract of shisei.h
+    unsafe { call(49, &raw, out, out_len) }
+}
+
+/// EstimateYprs: Yaw, pitch, roll of EstimateQuats.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn EstimateYawPitchRollSeries(
+    gyro: *const f64,
+    gyro_rows: i32,
+    gyro_cols: i32,
+    acc: *const f64,
+    acc_rows: i32,
+    acc_cols: i32,
+    dt: f64,
+    gravity: f64,
+    out: *mut f64,
+    out_len: i32,
+) -> i32 {
+    let raw = [
+        Raw::Range(gyro, gyro_rows, gyro_cols),
+        Raw::Range(acc, acc_rows, acc_cols),
+        Raw::Number(dt),
+        Raw::Number(gravity),
+    ];
+    // SAFETY: the caller keeps the contract of shisei.h
+    unsafe { call(50, &raw, out, out_len) }
+}
+
+/// FitSphere: The sphere nearest to points, by least squares: for mean rates in several directions its radius is the Earth's rate.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn GetSphereFit(
+    points: *const f64,
+    points_rows: i32,
+    points_cols: i32,
+    out: *mut f64,
+    out_len: i32,
+) -> i32 {
+    let raw = [
+        Raw::Range(points, points_rows, points_cols),
+    ];
+    // SAFETY: the caller keeps the contract of shisei.h
+    unsafe { call(51, &raw, out, out_len) }
+}

@@ -3,7 +3,6 @@ Attribute VB_Name = "shisei"
 ' shisei 0.1.0: the functions of shisei.dll for VBA and, where the XLL is not loaded, for cells.
 ' 64-bit Office only. Put shisei.dll beside the workbook or on the PATH.
 Option Explicit
-Option Private Module
 
 Private Declare PtrSafe Function SetDllDirectoryW Lib "kernel32" (ByVal path As LongPtr) As Long
 Private Declare PtrSafe Function c_shisei_last_error Lib "shisei.dll" Alias "shisei_last_error" ( _
@@ -284,6 +283,23 @@ Private Declare PtrSafe Function c_GetDeadReckoning Lib "shisei.dll" Alias "GetD
     ByVal p_gravity As Double, _
     ByVal p_scheme As Double, _
     ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_EstimateQuaternionSeries Lib "shisei.dll" Alias "EstimateQuaternionSeries" ( _
+    ByRef p_gyro As Double, ByVal p_gyro_rows As Long, ByVal p_gyro_cols As Long, _
+    ByRef p_acc As Double, ByVal p_acc_rows As Long, ByVal p_acc_cols As Long, _
+    ByVal p_dt As Double, _
+    ByVal p_gravity As Double, _
+    ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_EstimateYawPitchRollSeries Lib "shisei.dll" Alias "EstimateYawPitchRollSeries" ( _
+    ByRef p_gyro As Double, ByVal p_gyro_rows As Long, ByVal p_gyro_cols As Long, _
+    ByRef p_acc As Double, ByVal p_acc_rows As Long, ByVal p_acc_cols As Long, _
+    ByVal p_dt As Double, _
+    ByVal p_gravity As Double, _
+    ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_GetSphereFit Lib "shisei.dll" Alias "GetSphereFit" ( _
+    ByRef p_points As Double, ByVal p_points_rows As Long, ByVal p_points_cols As Long, _
+    ByRef result As Double, ByVal result_len As Long) As Long
+
+Private Const KIND_NUMBERS As Long = 0, KIND_TRUTH As Long = 1, KIND_GAPS As Long = 2
 
 ' Finds shisei.dll beside this workbook. Call it once before the first function, for example in Workbook_Open.
 Public Sub ShiseiLoad(Optional ByVal folder As String = "")
@@ -366,19 +382,21 @@ End Function
 
 ' The result as a cell shows it: a number, TRUE or FALSE, an array, or the error of the code.
 Private Function FromCells(ByVal n As Long, ByRef result() As Double, ByVal rows As Long, ByVal cols As Long, _
-    ByVal truth As Boolean) As Variant
+    ByVal kind As Long) As Variant
     Dim table() As Variant, r As Long, c As Long
     Select Case n
         Case -2: FromCells = CVErr(2036): Exit Function
         Case -3: FromCells = CVErr(2042): Exit Function
         Case Is < 0: FromCells = CVErr(2015): Exit Function
     End Select
-    If truth Then FromCells = (result(0) <> 0): Exit Function
+    If kind = KIND_TRUTH Then FromCells = (result(0) <> 0): Exit Function
     If rows = 1 And cols = 1 Then FromCells = result(0): Exit Function
     ReDim table(1 To rows, 1 To cols)
     For r = 1 To rows
         For c = 1 To cols
             table(r, c) = result((r - 1) * cols + c - 1)
+            ' not available is NaN, which VBA writes as 1.#QNAN or nan
+            If kind = KIND_GAPS Then If Not CStr(table(r, c)) Like "*#" Then table(r, c) = CVErr(2042)
         Next
     Next
     FromCells = table
@@ -391,7 +409,7 @@ Public Function Vec3Mean(ByVal p_vecRange As Variant) As Variant
     If Not ToCells(p_vecRange, a0, r0, c0, failed) Then Vec3Mean = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_GetMeanVector3(a0(0), r0, c0, result(0), UBound(result) + 1)
-    Vec3Mean = FromCells(n, result, 1, 3, False)
+    Vec3Mean = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' Population variance (divided by N) of each axis of a series of vectors; 0 for a single row.
@@ -401,7 +419,7 @@ Public Function Vec3Variance(ByVal p_vecRange As Variant) As Variant
     If Not ToCells(p_vecRange, a0, r0, c0, failed) Then Vec3Variance = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_GetVarianceVector3(a0(0), r0, c0, result(0), UBound(result) + 1)
-    Vec3Variance = FromCells(n, result, 1, 3, False)
+    Vec3Variance = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' Mean of the lengths of the rows; for accelerations at rest it is close to gravity.
@@ -411,7 +429,7 @@ Public Function MeanNorm(ByVal p_vecRange As Variant) As Variant
     If Not ToCells(p_vecRange, a0, r0, c0, failed) Then MeanNorm = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 1, 1) - 1)
     n = c_GetMeanNorm(a0(0), r0, c0, result(0), UBound(result) + 1)
-    MeanNorm = FromCells(n, result, 1, 1, False)
+    MeanNorm = FromCells(n, result, 1, 1, KIND_NUMBERS)
 End Function
 
 ' Calibrates from six faces at rest: accelerometer bias and scale, gyroscope bias.
@@ -468,7 +486,7 @@ Public Function GetBiasCalib(ByVal p_dataRange As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 9, 1) - 1)
     n = c_GetBiasCalibrationParameters6(a0(0), r0, c0, x1, x2, x3, x4, x5, x6, x7, x8, result(0), UBound(result) + 1)
-    GetBiasCalib = FromCells(n, result, 1, 9, False)
+    GetBiasCalib = FromCells(n, result, 1, 9, KIND_NUMBERS)
 End Function
 
 ' As GetBiasCalib, followed by the gyroscope's scale, which six faces cannot show: 1, 1, 1.
@@ -525,7 +543,7 @@ Public Function GetIMUCalib(ByVal p_dataRange As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 12, 1) - 1)
     n = c_GetIMUCalibrationParameters6(a0(0), r0, c0, x1, x2, x3, x4, x5, x6, x7, x8, result(0), UBound(result) + 1)
-    GetIMUCalib = FromCells(n, result, 1, 12, False)
+    GetIMUCalib = FromCells(n, result, 1, 12, KIND_NUMBERS)
 End Function
 
 ' Applies a calibration to every row: (x - bias) x scale.
@@ -538,7 +556,7 @@ Public Function ApplyIMUCalib(ByVal p_dataRange As Variant, _
     If Not ToCells(p_calibRange, a1, r1, c1, failed) Then ApplyIMUCalib = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * c0, 1) - 1)
     n = c_ApplyIMUCalibration(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    ApplyIMUCalib = FromCells(n, result, r0, c0, False)
+    ApplyIMUCalib = FromCells(n, result, r0, c0, KIND_NUMBERS)
 End Function
 
 ' The quaternion of no rotation, 1, 0, 0, 0.
@@ -546,7 +564,7 @@ Public Function IdentityQuat() As Variant
     Dim failed As Variant, result() As Double, n As Long
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_IdentityQuaternion(result(0), UBound(result) + 1)
-    IdentityQuat = FromCells(n, result, 1, 4, False)
+    IdentityQuat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' The quaternion divided by its norm.
@@ -556,7 +574,7 @@ Public Function NormalizeQuat(ByVal p_quat As Variant) As Variant
     If Not ToCells(p_quat, a0, r0, c0, failed) Then NormalizeQuat = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_NormalizeQuaternion(a0(0), r0, c0, result(0), UBound(result) + 1)
-    NormalizeQuat = FromCells(n, result, 1, 4, False)
+    NormalizeQuat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' The conjugate w, -x, -y, -z: the inverse rotation of a unit quaternion. It is not normalised.
@@ -566,7 +584,7 @@ Public Function ConjugateQuat(ByVal p_quat As Variant) As Variant
     If Not ToCells(p_quat, a0, r0, c0, failed) Then ConjugateQuat = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_ConjugateQuaternion(a0(0), r0, c0, result(0), UBound(result) + 1)
-    ConjugateQuat = FromCells(n, result, 1, 4, False)
+    ConjugateQuat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' Turns a vector from sensor to world coordinates: q v q*.
@@ -579,7 +597,7 @@ Public Function QuatRotateVec3(ByVal p_quat As Variant, _
     If Not ToCells(p_vec, a1, r1, c1, failed) Then QuatRotateVec3 = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_QuaternionRotateVector3(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    QuatRotateVec3 = FromCells(n, result, 1, 3, False)
+    QuatRotateVec3 = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' Turns the same vector by every quaternion of a series.
@@ -592,7 +610,7 @@ Public Function QuatsRotateVec3(ByVal p_quats As Variant, _
     If Not ToCells(p_vec, a1, r1, c1, failed) Then QuatsRotateVec3 = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * 3, 1) - 1)
     n = c_QuaternionSeriesRotateVector3(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    QuatsRotateVec3 = FromCells(n, result, r0, 3, False)
+    QuatsRotateVec3 = FromCells(n, result, r0, 3, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of a quaternion: about z, then the turned y, then the turned x. At pitch +/-90 deg roll is 0 and yaw carries the rest.
@@ -602,7 +620,7 @@ Public Function Quat2Ypr(ByVal p_quat As Variant) As Variant
     If Not ToCells(p_quat, a0, r0, c0, failed) Then Quat2Ypr = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_GetYawPitchRoll(a0(0), r0, c0, result(0), UBound(result) + 1)
-    Quat2Ypr = FromCells(n, result, 1, 3, False)
+    Quat2Ypr = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of every quaternion of a series.
@@ -612,7 +630,7 @@ Public Function Quats2Yprs(ByVal p_quats As Variant) As Variant
     If Not ToCells(p_quats, a0, r0, c0, failed) Then Quats2Yprs = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * 3, 1) - 1)
     n = c_GetYawPitchRollSeries(a0(0), r0, c0, result(0), UBound(result) + 1)
-    Quats2Yprs = FromCells(n, result, r0, 3, False)
+    Quats2Yprs = FromCells(n, result, r0, 3, KIND_NUMBERS)
 End Function
 
 ' The quaternion of yaw, pitch, roll.
@@ -622,7 +640,7 @@ Public Function Ypr2Quat(ByVal p_ypr As Variant) As Variant
     If Not ToCells(p_ypr, a0, r0, c0, failed) Then Ypr2Quat = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_GetQuaternionFromYawPitchRoll(a0(0), r0, c0, result(0), UBound(result) + 1)
-    Ypr2Quat = FromCells(n, result, 1, 4, False)
+    Ypr2Quat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' The quaternions of a series of yaw, pitch, roll.
@@ -632,7 +650,7 @@ Public Function Yprs2Quats(ByVal p_yprs As Variant) As Variant
     If Not ToCells(p_yprs, a0, r0, c0, failed) Then Yprs2Quats = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * 4, 1) - 1)
     n = c_GetQuaternionSeriesFromYawPitchRollSeries(a0(0), r0, c0, result(0), UBound(result) + 1)
-    Yprs2Quats = FromCells(n, result, r0, 4, False)
+    Yprs2Quats = FromCells(n, result, r0, 4, KIND_NUMBERS)
 End Function
 
 ' The quaternion of a turn about an axis; the axis may have any length but zero.
@@ -659,7 +677,7 @@ Public Function AxisAngle2Quat(ByVal p_ax As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_GetQuaternionFromAxisAngle(x0, x1, x2, x3, result(0), UBound(result) + 1)
-    AxisAngle2Quat = FromCells(n, result, 1, 4, False)
+    AxisAngle2Quat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' What a resting accelerometer in this attitude reads, divided by g: world up in sensor coordinates.
@@ -669,7 +687,7 @@ Public Function GravityBody(ByVal p_quat As Variant) As Variant
     If Not ToCells(p_quat, a0, r0, c0, failed) Then GravityBody = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_GetGravityBody(a0(0), r0, c0, result(0), UBound(result) + 1)
-    GravityBody = FromCells(n, result, 1, 3, False)
+    GravityBody = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' The attitude of a sensor at rest from its mean acceleration, with yaw 0; #N/A unless IsAccStable.
@@ -694,7 +712,7 @@ Public Function Accs2InitialQuat(ByVal p_accRange As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_GetInitialQuaternionFromAcc(a0(0), r0, c0, x1, x2, x3, result(0), UBound(result) + 1)
-    Accs2InitialQuat = FromCells(n, result, 1, 4, False)
+    Accs2InitialQuat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' The turn since the start, seen in the sensor's axes at the start: qInitial* qCurrent.
@@ -707,7 +725,7 @@ Public Function Quat2BodyQuat(ByVal p_qCurrent As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quat2BodyQuat = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_GetBodyQuaternion(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quat2BodyQuat = FromCells(n, result, 1, 4, False)
+    Quat2BodyQuat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of Quat2BodyQuat: the turn since the start in the sensor's axes.
@@ -720,7 +738,7 @@ Public Function Quat2BodyYpr(ByVal p_qCurrent As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quat2BodyYpr = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_GetBodyYawPitchRoll(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quat2BodyYpr = FromCells(n, result, 1, 3, False)
+    Quat2BodyYpr = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' The turn since the start, seen in world axes: qCurrent qInitial*.
@@ -733,7 +751,7 @@ Public Function Quat2WorldQuat(ByVal p_qCurrent As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quat2WorldQuat = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_GetWorldQuaternion(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quat2WorldQuat = FromCells(n, result, 1, 4, False)
+    Quat2WorldQuat = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of Quat2WorldQuat: the turn since the start in world axes.
@@ -746,7 +764,7 @@ Public Function Quat2WorldYpr(ByVal p_qCurrent As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quat2WorldYpr = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_GetWorldYawPitchRoll(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quat2WorldYpr = FromCells(n, result, 1, 3, False)
+    Quat2WorldYpr = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' Quat2BodyQuat of every row of a series.
@@ -759,7 +777,7 @@ Public Function Quats2BodyQuats(ByVal p_quats As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quats2BodyQuats = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * 4, 1) - 1)
     n = c_GetBodyQuaternionSeries(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quats2BodyQuats = FromCells(n, result, r0, 4, False)
+    Quats2BodyQuats = FromCells(n, result, r0, 4, KIND_NUMBERS)
 End Function
 
 ' Quat2BodyYpr of every row of a series.
@@ -772,7 +790,7 @@ Public Function Quats2BodyYprs(ByVal p_quats As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quats2BodyYprs = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * 3, 1) - 1)
     n = c_GetBodyYawPitchRollSeries(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quats2BodyYprs = FromCells(n, result, r0, 3, False)
+    Quats2BodyYprs = FromCells(n, result, r0, 3, KIND_NUMBERS)
 End Function
 
 ' Quat2WorldQuat of every row of a series.
@@ -785,7 +803,7 @@ Public Function Quats2WorldQuats(ByVal p_quats As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quats2WorldQuats = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * 4, 1) - 1)
     n = c_GetWorldQuaternionSeries(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quats2WorldQuats = FromCells(n, result, r0, 4, False)
+    Quats2WorldQuats = FromCells(n, result, r0, 4, KIND_NUMBERS)
 End Function
 
 ' Quat2WorldYpr of every row of a series.
@@ -798,7 +816,7 @@ Public Function Quats2WorldYprs(ByVal p_quats As Variant, _
     If Not ToCells(p_qInitial, a1, r1, c1, failed) Then Quats2WorldYprs = failed: Exit Function
     ReDim result(0 To MaxLong(r0 * 3, 1) - 1)
     n = c_GetWorldYawPitchRollSeries(a0(0), r0, c0, a1(0), r1, c1, result(0), UBound(result) + 1)
-    Quats2WorldYprs = FromCells(n, result, r0, 3, False)
+    Quats2WorldYprs = FromCells(n, result, r0, 3, KIND_NUMBERS)
 End Function
 
 ' Turns an attitude by one gyroscope sample; exact where the rate is constant over the step.
@@ -816,7 +834,7 @@ Public Function UpdateQuatByGyro(ByVal p_q As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_UpdateQuaternionByGyro(a0(0), r0, c0, a1(0), r1, c1, x2, result(0), UBound(result) + 1)
-    UpdateQuatByGyro = FromCells(n, result, 1, 4, False)
+    UpdateQuatByGyro = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' Turns an attitude by one gyroscope sample with the classical Runge-Kutta method of fourth order.
@@ -834,7 +852,7 @@ Public Function UpdateQuatByGyroRK4(ByVal p_q As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_UpdateQuaternionByGyroRK4(a0(0), r0, c0, a1(0), r1, c1, x2, result(0), UBound(result) + 1)
-    UpdateQuatByGyroRK4 = FromCells(n, result, 1, 4, False)
+    UpdateQuatByGyroRK4 = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' Integrates a series of rates; row k is the attitude after sample k.
@@ -852,7 +870,7 @@ Public Function UpdateQuatsByGyro(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 4, 1) - 1)
     n = c_UpdateQuaternionSeriesByGyro(a0(0), r0, c0, a1(0), r1, c1, x2, result(0), UBound(result) + 1)
-    UpdateQuatsByGyro = FromCells(n, result, r1, 4, False)
+    UpdateQuatsByGyro = FromCells(n, result, r1, 4, KIND_NUMBERS)
 End Function
 
 ' As UpdateQuatsByGyro, with the Runge-Kutta method of fourth order.
@@ -870,7 +888,7 @@ Public Function UpdateQuatsByGyroRK4(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 4, 1) - 1)
     n = c_UpdateQuaternionSeriesByGyroRK4(a0(0), r0, c0, a1(0), r1, c1, x2, result(0), UBound(result) + 1)
-    UpdateQuatsByGyroRK4 = FromCells(n, result, r1, 4, False)
+    UpdateQuatsByGyroRK4 = FromCells(n, result, r1, 4, KIND_NUMBERS)
 End Function
 
 ' Integrates a series of rates; row k is yaw, pitch, roll after sample k.
@@ -888,7 +906,7 @@ Public Function UpdateYprsByGyro(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 3, 1) - 1)
     n = c_UpdateYawPitchRollSeriesByGyro(a0(0), r0, c0, a1(0), r1, c1, x2, result(0), UBound(result) + 1)
-    UpdateYprsByGyro = FromCells(n, result, r1, 3, False)
+    UpdateYprsByGyro = FromCells(n, result, r1, 3, KIND_NUMBERS)
 End Function
 
 ' As UpdateYprsByGyro, with the Runge-Kutta method of fourth order.
@@ -906,7 +924,7 @@ Public Function UpdateYprsByGyroRK4(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 3, 1) - 1)
     n = c_UpdateYawPitchRollSeriesByGyroRK4(a0(0), r0, c0, a1(0), r1, c1, x2, result(0), UBound(result) + 1)
-    UpdateYprsByGyroRK4 = FromCells(n, result, r1, 3, False)
+    UpdateYprsByGyroRK4 = FromCells(n, result, r1, 3, KIND_NUMBERS)
 End Function
 
 ' Updates an attitude by one sample with Mahony's filter: the gyroscope, and a pull towards the accelerometer's vertical.
@@ -938,7 +956,7 @@ Public Function UpdateQuatByMahony(ByVal p_q As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_UpdateQuaternionByMahony(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, result(0), UBound(result) + 1)
-    UpdateQuatByMahony = FromCells(n, result, 1, 4, False)
+    UpdateQuatByMahony = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' Updates an attitude by one sample with Mahony's filter whose gain falls while |a| is far from gravity.
@@ -1000,7 +1018,7 @@ Public Function UpdateQuatByMahonyAdaptive(ByVal p_q As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_UpdateQuaternionByMahonyAdaptive(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, x6, x7, x8, x9, x10, x11, result(0), UBound(result) + 1)
-    UpdateQuatByMahonyAdaptive = FromCells(n, result, 1, 4, False)
+    UpdateQuatByMahonyAdaptive = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of UpdateQuatByMahony.
@@ -1032,7 +1050,7 @@ Public Function UpdateYprByMahony(ByVal p_q As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_UpdateYawPitchRollByMahony(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, result(0), UBound(result) + 1)
-    UpdateYprByMahony = FromCells(n, result, 1, 3, False)
+    UpdateYprByMahony = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of UpdateQuatByMahonyAdaptive.
@@ -1094,7 +1112,7 @@ Public Function UpdateYprByMahonyAdaptive(ByVal p_q As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 3, 1) - 1)
     n = c_UpdateYawPitchRollByMahonyAdaptive(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, x6, x7, x8, x9, x10, x11, result(0), UBound(result) + 1)
-    UpdateYprByMahonyAdaptive = FromCells(n, result, 1, 3, False)
+    UpdateYprByMahonyAdaptive = FromCells(n, result, 1, 3, KIND_NUMBERS)
 End Function
 
 ' Attitudes of a series with Mahony's filter; row k is the attitude after sample k.
@@ -1131,7 +1149,7 @@ Public Function UpdateQuatsByMahony(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 4, 1) - 1)
     n = c_UpdateQuaternionSeriesByMahony(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, x6, result(0), UBound(result) + 1)
-    UpdateQuatsByMahony = FromCells(n, result, r1, 4, False)
+    UpdateQuatsByMahony = FromCells(n, result, r1, 4, KIND_NUMBERS)
 End Function
 
 ' Attitudes of a series with Mahony's filter whose gain falls while |a| is far from gravity.
@@ -1193,7 +1211,7 @@ Public Function UpdateQuatsByMahonyAdaptive(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 4, 1) - 1)
     n = c_UpdateQuaternionSeriesByMahonyAdaptive(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, x6, x7, x8, x9, x10, x11, result(0), UBound(result) + 1)
-    UpdateQuatsByMahonyAdaptive = FromCells(n, result, r1, 4, False)
+    UpdateQuatsByMahonyAdaptive = FromCells(n, result, r1, 4, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of UpdateQuatsByMahony.
@@ -1230,7 +1248,7 @@ Public Function UpdateYprsByMahony(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 3, 1) - 1)
     n = c_UpdateYawPitchRollSeriesByMahony(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, x6, result(0), UBound(result) + 1)
-    UpdateYprsByMahony = FromCells(n, result, r1, 3, False)
+    UpdateYprsByMahony = FromCells(n, result, r1, 3, KIND_NUMBERS)
 End Function
 
 ' Yaw, pitch, roll of UpdateQuatsByMahonyAdaptive.
@@ -1292,7 +1310,7 @@ Public Function UpdateYprsByMahonyAdaptive(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 3, 1) - 1)
     n = c_UpdateYawPitchRollSeriesByMahonyAdaptive(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, x6, x7, x8, x9, x10, x11, result(0), UBound(result) + 1)
-    UpdateYprsByMahonyAdaptive = FromCells(n, result, r1, 3, False)
+    UpdateYprsByMahonyAdaptive = FromCells(n, result, r1, 3, KIND_NUMBERS)
 End Function
 
 ' The gain the adaptive Mahony functions use for a given |a|.
@@ -1340,7 +1358,7 @@ Public Function AdaptiveKp(ByVal p_accelNorm As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 1, 1) - 1)
     n = c_ComputeAdaptiveKp(x0, x1, x2, x3, x4, x5, x6, x7, result(0), UBound(result) + 1)
-    AdaptiveKp = FromCells(n, result, 1, 1, False)
+    AdaptiveKp = FromCells(n, result, 1, 1, KIND_NUMBERS)
 End Function
 
 ' TRUE when accelerations are at rest: every axis' variance and the mean norm are within their limits.
@@ -1365,7 +1383,7 @@ Public Function IsAccStable(ByVal p_accRange As Variant, _
     End If
     ReDim result(0 To MaxLong(1 * 1, 1) - 1)
     n = c_IsStableAccWindow(a0(0), r0, c0, x1, x2, x3, result(0), UBound(result) + 1)
-    IsAccStable = FromCells(n, result, 1, 1, True)
+    IsAccStable = FromCells(n, result, 1, 1, KIND_TRUTH)
 End Function
 
 ' TRUE when all four components are finite numbers; FALSE also for an error cell.
@@ -1375,7 +1393,7 @@ Public Function IsFiniteQuat(ByVal p_quat As Variant) As Variant
     If Not ToCells(p_quat, a0, r0, c0, failed) Then IsFiniteQuat = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 1, 1) - 1)
     n = c_IsFiniteQuaternion(a0(0), r0, c0, result(0), UBound(result) + 1)
-    IsFiniteQuat = FromCells(n, result, 1, 1, True)
+    IsFiniteQuat = FromCells(n, result, 1, 1, KIND_TRUTH)
 End Function
 
 ' TRUE when all three components are finite numbers; FALSE also for an error cell.
@@ -1385,7 +1403,7 @@ Public Function IsFiniteVec3(ByVal p_vec As Variant) As Variant
     If Not ToCells(p_vec, a0, r0, c0, failed) Then IsFiniteVec3 = failed: Exit Function
     ReDim result(0 To MaxLong(1 * 1, 1) - 1)
     n = c_IsFiniteVector3(a0(0), r0, c0, result(0), UBound(result) + 1)
-    IsFiniteVec3 = FromCells(n, result, 1, 1, True)
+    IsFiniteVec3 = FromCells(n, result, 1, 1, KIND_TRUTH)
 End Function
 
 ' Shows why a calibration fails: for each face the steadiest window that points at it, or where none does the one that points nearest to it.
@@ -1424,7 +1442,7 @@ Public Function CalibFaces(ByVal p_dataRange As Variant, _
     End If
     ReDim result(0 To MaxLong(6 * 5, 1) - 1)
     n = c_GetCalibrationFaces(a0(0), r0, c0, x1, x2, x3, x4, x5, result(0), UBound(result) + 1)
-    CalibFaces = FromCells(n, result, 6, 5, False)
+    CalibFaces = FromCells(n, result, 6, 5, KIND_GAPS)
 End Function
 
 ' Attitudes of a series with the complementary filter: the gyroscope, and while 0.5 < |a|/g < 1.5 a share of the accelerometer's roll and pitch.
@@ -1457,7 +1475,7 @@ Public Function UpdateQuatsByComplementary(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 4, 1) - 1)
     n = c_UpdateQuaternionSeriesByComplementary(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, result(0), UBound(result) + 1)
-    UpdateQuatsByComplementary = FromCells(n, result, r1, 4, False)
+    UpdateQuatsByComplementary = FromCells(n, result, r1, 4, KIND_NUMBERS)
 End Function
 
 ' Velocity and position by integrating gyroscope and accelerometer from rest; drifts fast, so use it for seconds and remove the gyroscope's bias first.
@@ -1490,5 +1508,63 @@ Public Function DeadReckon(ByVal p_qInitial As Variant, _
     End If
     ReDim result(0 To MaxLong(r1 * 6, 1) - 1)
     n = c_GetDeadReckoning(a0(0), r0, c0, a1(0), r1, c1, a2(0), r2, c2, x3, x4, x5, result(0), UBound(result) + 1)
-    DeadReckon = FromCells(n, result, r1, 6, False)
+    DeadReckon = FromCells(n, result, r1, 6, KIND_NUMBERS)
+End Function
+
+' Attitudes of a whole recording with the best estimator: it finds the start and the rests, learns bias and scale, and uses later samples too. Yaw is 0 at the start; give the whole recording, with its rests.
+Public Function EstimateQuats(ByVal p_gyro As Variant, _
+    ByVal p_acc As Variant, _
+    ByVal p_dt As Variant, _
+    Optional ByVal p_gravity As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_gyro, a0, r0, c0, failed) Then EstimateQuats = failed: Exit Function
+    Dim a1() As Double, r1 As Long, c1 As Long
+    If Not ToCells(p_acc, a1, r1, c1, failed) Then EstimateQuats = failed: Exit Function
+    Dim x2 As Double
+    If True Then
+        If Not ToNumber(p_dt, x2, failed) Then EstimateQuats = failed: Exit Function
+    End If
+    Dim x3 As Double
+    x3 = 9.80665
+    If Not IsMissing(p_gravity) Then
+        If Not ToNumber(p_gravity, x3, failed) Then EstimateQuats = failed: Exit Function
+    End If
+    ReDim result(0 To MaxLong(r0 * 4, 1) - 1)
+    n = c_EstimateQuaternionSeries(a0(0), r0, c0, a1(0), r1, c1, x2, x3, result(0), UBound(result) + 1)
+    EstimateQuats = FromCells(n, result, r0, 4, KIND_NUMBERS)
+End Function
+
+' Yaw, pitch, roll of EstimateQuats.
+Public Function EstimateYprs(ByVal p_gyro As Variant, _
+    ByVal p_acc As Variant, _
+    ByVal p_dt As Variant, _
+    Optional ByVal p_gravity As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_gyro, a0, r0, c0, failed) Then EstimateYprs = failed: Exit Function
+    Dim a1() As Double, r1 As Long, c1 As Long
+    If Not ToCells(p_acc, a1, r1, c1, failed) Then EstimateYprs = failed: Exit Function
+    Dim x2 As Double
+    If True Then
+        If Not ToNumber(p_dt, x2, failed) Then EstimateYprs = failed: Exit Function
+    End If
+    Dim x3 As Double
+    x3 = 9.80665
+    If Not IsMissing(p_gravity) Then
+        If Not ToNumber(p_gravity, x3, failed) Then EstimateYprs = failed: Exit Function
+    End If
+    ReDim result(0 To MaxLong(r0 * 3, 1) - 1)
+    n = c_EstimateYawPitchRollSeries(a0(0), r0, c0, a1(0), r1, c1, x2, x3, result(0), UBound(result) + 1)
+    EstimateYprs = FromCells(n, result, r0, 3, KIND_NUMBERS)
+End Function
+
+' The sphere nearest to points, by least squares: for mean rates in several directions its radius is the Earth's rate.
+Public Function FitSphere(ByVal p_points As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_points, a0, r0, c0, failed) Then FitSphere = failed: Exit Function
+    ReDim result(0 To MaxLong(1 * 4, 1) - 1)
+    n = c_GetSphereFit(a0(0), r0, c0, result(0), UBound(result) + 1)
+    FitSphere = FromCells(n, result, 1, 4, KIND_NUMBERS)
 End Function

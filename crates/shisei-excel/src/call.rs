@@ -109,7 +109,9 @@ unsafe fn collect(
         rows -= 1;
     }
     let mut data = Vec::with_capacity(rows * cols);
-    for (i, cell) in cells[..rows * cols].iter().enumerate() {
+    // nearly always all cells are numbers
+    data.extend(cells[..rows * cols].iter().map_while(Xloper12::as_number));
+    for (i, cell) in cells[..rows * cols].iter().enumerate().skip(data.len()) {
         // SAFETY: the kind says which member is meant
         data.push(unsafe {
             match cell.kind() {

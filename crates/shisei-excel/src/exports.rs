@@ -298,3 +298,21 @@ pub unsafe extern "system" fn xl_DeadReckon(qInitial: Argument, gyro: Argument, 
     // SAFETY: Excel passes values of its own
     unsafe { call(48, &[qInitial, gyro, acc, dt, gravity, scheme]) }
 }
+
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn xl_EstimateQuats(gyro: Argument, acc: Argument, dt: Argument, gravity: Argument) -> *mut Xloper12 {
+    // SAFETY: Excel passes values of its own
+    unsafe { call(49, &[gyro, acc, dt, gravity]) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn xl_EstimateYprs(gyro: Argument, acc: Argument, dt: Argument, gravity: Argument) -> *mut Xloper12 {
+    // SAFETY: Excel passes values of its own
+    unsafe { call(50, &[gyro, acc, dt, gravity]) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn xl_FitSphere(points: Argument) -> *mut Xloper12 {
+    // SAFETY: Excel passes values of its own
+    unsafe { call(51, &[points]) }
+}

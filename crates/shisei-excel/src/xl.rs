@@ -113,6 +113,17 @@ impl Xloper12 {
         self.xltype & 0xFFF
     }
 
+    /// The number, where it is one.
+    #[inline]
+    pub fn as_number(&self) -> Option<f64> {
+        if self.kind() == NUMBER {
+            // SAFETY: the kind says that the number is meant
+            Some(unsafe { self.value.number })
+        } else {
+            None
+        }
+    }
+
     pub fn blank() -> Self {
         Xloper12 { value: Value { integer: 0 }, xltype: BLANK }
     }
@@ -173,7 +184,8 @@ impl Xloper12 {
         (unsafe { std::slice::from_raw_parts(array.cells, rows * columns) }, rows, columns)
     }
 
-    /// Frees what [`Xloper12::text`] and [`Xloper12::array`] made.
+    /// Frees what [`Xloper12::text`] and [`Xloper12::array`] made. The cells of our arrays hold no text: a million of
+    /// them need not be looked at.
     ///
     /// # Safety
     /// The value must be one of ours and not be used again.
@@ -188,12 +200,7 @@ impl Xloper12 {
                 ARRAY => {
                     let array = self.value.array;
                     let n = (array.rows * array.columns) as usize;
-                    let mut cells = Box::from_raw(std::ptr::slice_from_raw_parts_mut(array.cells, n));
-                    cells.iter_mut().for_each(|cell| {
-                        if cell.kind() == TEXT {
-                            cell.free()
-                        }
-                    });
+                    drop(Box::from_raw(std::ptr::slice_from_raw_parts_mut(array.cells, n)));
                 }
                 _ => {}
             }

@@ -5,6 +5,8 @@
 mod c;
 #[path = "generated/calc.rs"]
 mod calc;
+#[path = "generated/docs.rs"]
+mod docs;
 #[path = "generated/examples.rs"]
 mod examples;
 #[path = "generated/excel.rs"]
@@ -81,4 +83,14 @@ fn python_stubs() {
 #[test]
 fn excel_exports() {
     ensure("crates/shisei-excel/src/exports.rs", &excel::exports());
+}
+
+#[test]
+fn manual_in_english() {
+    ensure("docs/en/functions.md", &docs::manual(shisei_functions::Lang::En));
+}
+
+#[test]
+fn manual_in_japanese() {
+    ensure("docs/ja/functions.md", &docs::manual(shisei_functions::Lang::Ja));
 }

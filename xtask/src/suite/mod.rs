@@ -3,6 +3,7 @@
 mod calc;
 mod core;
 mod device;
+pub mod excel;
 mod python;
 mod viewer;
 mod wasm;
@@ -29,7 +30,8 @@ pub struct Suite {
 }
 
 /// In the order in which they run.
-const ALL: &[Suite] = &[core::SUITE, calc::SUITE, python::SUITE, device::SUITE, wasm::SUITE, viewer::SUITE];
+const ALL: &[Suite] =
+    &[core::SUITE, calc::SUITE, python::SUITE, excel::SUITE, device::SUITE, wasm::SUITE, viewer::SUITE];
 
 /// `cargo xtask test …`.
 pub fn command(project: &Project, words: &[&str]) -> ExitCode {

@@ -4,9 +4,10 @@ use crate::function::{Function, function};
 use crate::input::{Series, UnitQuat};
 use crate::last_error;
 use crate::output::Table;
-use crate::table::{calibration, filtered, motion};
+use crate::table::{calibration, estimate, filtered, motion};
 use shisei_core::calibration::SixFaceSettings;
 use shisei_core::filter::Complementary;
+use shisei_core::sphere::fit_sphere;
 
 pub(super) const CALIB_FACES: Function = function! {
     "CalibFaces" = GetCalibrationFaces in Extra, "=CalibFaces(B2:G9241,0.01)";
@@ -102,4 +103,54 @@ pub(super) const DEAD_RECKON: Function = function! {
         / "速度 x, y, z (m/s)、位置 x, y, z (m)、ワールド座標";
     example DEAD_RECKON;
     motion::dead_reckon(qInitial.0, gyro.rows, acc.rows, dt, gravity, scheme)?
+};
+
+/// Two functions with the same arguments: the estimator's attitudes as quaternions (4) or yaw, pitch, roll (3).
+macro_rules! estimate {
+    ($name:literal = $export:ident, $formula:literal; $en:literal / $ja:literal;
+     $cols:literal, $ret_en:literal / $ret_ja:literal; $example:ident) => {
+        function! {
+            $name = $export in Extra, $formula;
+            $en / $ja;
+            (gyro: Series<'_, 3>, ["rad/s"] "rates" / "ジャイロ系列":
+                "N×3, one sample a row, as measured" / "N 行 3 列、1 行に 1 サンプル、計測したまま";
+            acc: Series<'_, 3>, ["m/s²"] "accelerations" / "加速度系列":
+                "N×3, the same rows" / "N 行 3 列、ジャイロと同じ行数";
+            dt: f64, ["s"] "sample interval" / "サンプル間隔":
+                "time from row to row" / "行と行の時間間隔";
+            gravity: f64 = 9.80665, ["m/s²"] "gravity" / "重力加速度":
+                "local gravity" / "その場所の重力加速度";)
+            -> Vec<[f64; $cols]>, $ret_en / $ret_ja;
+            example $example;
+            estimate::smoothed(gyro.rows, acc.rows, dt, gravity)?
+        }
+    };
+}
+
+pub(super) const ESTIMATE_QUATS: Function = estimate! {
+    "EstimateQuats" = EstimateQuaternionSeries, "=EstimateQuats(E2:G1672,B2:D1672,0.01)";
+    "Attitudes of a whole recording with the best estimator: it finds the start and the rests, learns bias and \
+     scale, and uses later samples too. Yaw is 0 at the start; give the whole recording, with its rests."
+        / "最も精度の高い推定器で、記録全体の姿勢を求めます。開始姿勢と静止区間を自動で見つけ、バイアスとスケールを\
+           学習し、後のサンプルも使います。開始時のヨーは 0 です。静止区間を含む記録全体を指定してください。";
+    4, "w, x, y, z" / "w, x, y, z"; ESTIMATE_QUATS
+};
+
+pub(super) const ESTIMATE_YPRS: Function = estimate! {
+    "EstimateYprs" = EstimateYawPitchRollSeries, "=EstimateYprs(E2:G1672,B2:D1672,0.01)";
+    "Yaw, pitch, roll of EstimateQuats." / "EstimateQuats の結果をヨー・ピッチ・ロールで返します。";
+    3, "yaw, pitch, roll, rad" / "ヨー、ピッチ、ロール (rad)"; ESTIMATE_YPRS
+};
+
+pub(super) const FIT_SPHERE: Function = function! {
+    "FitSphere" = GetSphereFit in Extra, "=FitSphere(A2:C9)";
+    "The sphere nearest to points, by least squares: for mean rates in several directions its radius is the Earth's rate."
+        / "点群に最も近い球を最小二乗法で求めます。複数の方向で測った角速度の平均なら、半径が地球の自転角速度です。";
+    (points: Series<'_, 3>, [""] "points" / "点群": "N×3, at least four points" / "N 行 3 列、4 点以上";)
+    -> [f64; 4], "centre x, y, z; radius" / "中心 x, y, z、半径";
+    example FIT_SPHERE;
+    {
+        let sphere = fit_sphere(points.rows)?;
+        [sphere.center[0], sphere.center[1], sphere.center[2], sphere.radius]
+    }
 };

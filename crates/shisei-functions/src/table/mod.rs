@@ -2,6 +2,7 @@
 
 mod calibration;
 mod checks;
+mod estimate;
 mod extra;
 mod motion;
 mod quaternions;
@@ -15,7 +16,7 @@ use shisei_core::Vec3;
 use shisei_core::filter::{Dt, Filter, run_into};
 
 /// Every function of the table: the 44, then those beyond.
-pub static FUNCTIONS: [Function; 49] = [
+pub static FUNCTIONS: [Function; 52] = [
     readings::VEC3_MEAN,
     readings::VEC3_VARIANCE,
     readings::MEAN_NORM,
@@ -65,6 +66,9 @@ pub static FUNCTIONS: [Function; 49] = [
     extra::SHISEI_VERSION,
     extra::UPDATE_QUATS_BY_COMPLEMENTARY,
     extra::DEAD_RECKON,
+    extra::ESTIMATE_QUATS,
+    extra::ESTIMATE_YPRS,
+    extra::FIT_SPHERE,
 ];
 
 /// A new series of N columns, filled by the core; what the core refuses is said of `arg`.

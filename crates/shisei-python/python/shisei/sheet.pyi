@@ -479,3 +479,30 @@ def DeadReckon(qInitial: ArrayLike | Any, gyro: ArrayLike | Any, acc: ArrayLike 
     scheme: number. 0 semi-implicit (new v moves p), 1 Euler (old v), 2 trapezoid (mean of both)
     Returns N×6: velocity x, y, z, m/s; position x, y, z, m; world axes.
     """
+
+def EstimateQuats(gyro: ArrayLike | Any, acc: ArrayLike | Any, dt: float, gravity: float = 9.80665) -> NDArray[float64]:
+    """Attitudes of a whole recording with the best estimator: it finds the start and the rests, learns bias and scale, and uses later samples too. Yaw is 0 at the start; give the whole recording, with its rests.
+
+    gyro: N×3, rad/s. N×3, one sample a row, as measured
+    acc: N×3, m/s². N×3, the same rows
+    dt: number, s. time from row to row
+    gravity: number, m/s². local gravity
+    Returns N×4: w, x, y, z.
+    """
+
+def EstimateYprs(gyro: ArrayLike | Any, acc: ArrayLike | Any, dt: float, gravity: float = 9.80665) -> NDArray[float64]:
+    """Yaw, pitch, roll of EstimateQuats.
+
+    gyro: N×3, rad/s. N×3, one sample a row, as measured
+    acc: N×3, m/s². N×3, the same rows
+    dt: number, s. time from row to row
+    gravity: number, m/s². local gravity
+    Returns N×3: yaw, pitch, roll, rad.
+    """
+
+def FitSphere(points: ArrayLike | Any) -> NDArray[float64]:
+    """The sphere nearest to points, by least squares: for mean rates in several directions its radius is the Earth's rate.
+
+    points: N×3. N×3, at least four points
+    Returns 1×4: centre x, y, z; radius.
+    """
