@@ -23,6 +23,7 @@ pub mod error;
 pub mod estimator;
 pub mod euler;
 pub mod filter;
+pub mod frames;
 pub mod heading;
 pub mod initial;
 pub mod least_squares;

@@ -40,6 +40,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "euler", run: rotation::euler },
     Topic { name: "relative", run: rotation::relative },
     Topic { name: "heading", run: rotation::heading },
+    Topic { name: "frames", run: rotation::frames },
     Topic { name: "filter/exponential", run: filters::exponential },
     Topic { name: "filter/gyro", run: filters::gyro },
     Topic { name: "filter/mahony", run: filters::mahony },
