@@ -37,6 +37,8 @@ pub mod relative;
 pub mod rest;
 pub mod sphere;
 pub mod statistics;
+#[cfg(feature = "alloc")]
+pub mod sync;
 pub mod vector;
 
 pub use error::{Error, Face, Kind, Lang, Result};

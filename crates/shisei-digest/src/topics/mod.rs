@@ -7,6 +7,7 @@ mod motion;
 mod navigation;
 mod rest;
 mod rotation;
+mod sync;
 
 use crate::hash::Digest;
 
@@ -70,4 +71,10 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
     Topic { name: "earth", run: motion::earth },
     Topic { name: "earth/mean", run: motion::earth_mean },
+    Topic { name: "sync/fourier", run: sync::fourier },
+    Topic { name: "sync/correlate", run: sync::correlate },
+    Topic { name: "sync/wahba", run: sync::wahba },
+    Topic { name: "sync/gyro_path", run: sync::gyro_path },
+    Topic { name: "sync/rates", run: sync::rates },
+    Topic { name: "sync/lever", run: sync::lever },
 ];
