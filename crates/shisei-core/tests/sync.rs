@@ -1,6 +1,7 @@
 //! Clocks, mounting and lever arm of a simulated sensor that cameras film.
 
 use shisei_core::frames::Pose;
+use shisei_core::sync::gyro_path::Stamp;
 use shisei_core::sync::lever::lever_arm;
 use shisei_core::sync::rates::{RatesSettings, Start, Sync, synchronise};
 use shisei_core::{Error, Quaternion, Result, Vec3, vector};
@@ -18,6 +19,11 @@ fn rig(seed: u64) -> Rig {
         sensor_m: [0.03, -0.02, 0.05],
         markers_m: Vec::new(),
     }
+}
+
+/// The simulator reads rates at an instant.
+fn instant() -> RatesSettings {
+    RatesSettings { stamp: Stamp::Instant, ..RatesSettings::default() }
 }
 
 /// 40 s of movement, read at 100 Hz with 2 % lost, by a sensor with bias, scales, misalignment and noise.
@@ -57,7 +63,7 @@ fn clocks_and_mounting_of_simulated_takes() {
         let (motion, simulation) = recording(seed);
         let (rig, cameras) = (rig(seed), cameras(seed));
         let frames = film(&motion, &rig, &cameras);
-        let sync = find(&frames, &simulation, &RatesSettings::default()).expect("common motion");
+        let sync = find(&frames, &simulation, &instant()).expect("common motion");
         let at = sync.middle_s;
         let offset = sync.sensor_time_s(at) - cameras.motion_time_s(at);
         let skew = sync.skew - cameras.skew;
@@ -91,7 +97,7 @@ fn a_clock_that_runs_far_off_is_found() {
     let (motion, simulation) = recording(3);
     let cameras = Cameras { skew: 0.01, ..cameras(3) };
     let frames = film(&motion, &rig(3), &cameras);
-    let sync = find(&frames, &simulation, &RatesSettings::default()).expect("common motion");
+    let sync = find(&frames, &simulation, &instant()).expect("common motion");
     assert!((sync.skew - 0.01).abs() < 2e-6, "{sync:?}");
     assert!((sync.offset_s - cameras.offset_s).abs() < 5e-4);
 }
@@ -101,9 +107,20 @@ fn a_known_start_is_refined() {
     let (motion, simulation) = recording(3);
     let cameras = cameras(3);
     let frames = film(&motion, &rig(3), &cameras);
-    let near = RatesSettings { start: Start::Near(cameras.offset_s + 0.04), ..RatesSettings::default() };
+    let near = RatesSettings { start: Start::Near(cameras.offset_s + 0.04), ..instant() };
     let sync = find(&frames, &simulation, &near).expect("common motion");
     assert!((sync.offset_s - cameras.offset_s).abs() < 5e-4, "{sync:?}");
+}
+
+/// Taken for the mean of the step before it, a reading comes half a step too late.
+#[test]
+fn a_stamp_at_the_end_of_the_step_moves_the_offset_by_half_a_step() {
+    let (motion, simulation) = recording(3);
+    let cameras = cameras(3);
+    let frames = film(&motion, &rig(3), &cameras);
+    let sync = find(&frames, &simulation, &RatesSettings::default()).expect("common motion");
+    assert!((sync.offset_s + 0.005 - cameras.offset_s).abs() < 5e-4, "{sync:?}");
+    assert!((sync.skew - cameras.skew).abs() < 2e-6, "{sync:?}");
 }
 
 #[test]
@@ -111,12 +128,12 @@ fn strangers_are_refused() {
     let (_, simulation) = recording(1);
     let (other, _) = recording(2);
     let frames = film(&other, &rig(1), &cameras(1));
-    let error = find(&frames, &simulation, &RatesSettings::default()).expect_err("two objects");
+    let error = find(&frames, &simulation, &instant()).expect_err("two objects");
     assert!(matches!(error, Error::NoCommonMotion { explained } if explained < 0.8), "{error}");
     // still cameras: noise only
     let still = shisei_twin::Path::still(40.0);
     let frames = film(&still, &rig(1), &cameras(1));
-    let error = find(&frames, &simulation, &RatesSettings::default()).expect_err("no motion");
+    let error = find(&frames, &simulation, &instant()).expect_err("no motion");
     assert!(matches!(error, Error::NoCommonMotion { .. }), "{error}");
 }
 
@@ -127,7 +144,7 @@ fn motion_about_one_axis_is_refused() {
     let settings = Settings { errors: Errors::DrawnAligned, ..Settings::new(100.0, 5) };
     let simulation = simulate(&motion, &Sensor::lsm6ds3tr_c(), &settings);
     let frames = film(&motion, &rig(5), &cameras(5));
-    let error = find(&frames, &simulation, &RatesSettings::default()).expect_err("one axis");
+    let error = find(&frames, &simulation, &instant()).expect_err("one axis");
     assert!(matches!(error, Error::OneAxisOnly { ratio } if ratio < 0.05), "{error}");
 }
 
@@ -136,7 +153,7 @@ fn too_little_is_refused() {
     let (motion, simulation) = recording(1);
     let mut frames = film(&motion, &rig(1), &cameras(1));
     frames.truncate(40);
-    let error = find(&frames, &simulation, &RatesSettings::default()).expect_err("too few");
+    let error = find(&frames, &simulation, &instant()).expect_err("too few");
     assert!(matches!(error, Error::TooFewPoints { .. }), "{error}");
 }
 

@@ -14,7 +14,7 @@
 use alloc::vec::Vec;
 
 use super::correlate;
-use super::gyro_path::{GyroPath, median};
+use super::gyro_path::{GyroPath, Stamp, median};
 use super::wahba::{LEAST_RATIO, Pairs, nearest_rotation};
 use crate::error::{Error, Result};
 use crate::filter::same_length;
@@ -67,11 +67,13 @@ pub struct RatesSettings {
     pub interval_s: f64,
     /// Where to look.
     pub start: Start,
+    /// What the times of the gyroscope's readings mean.
+    pub stamp: Stamp,
 }
 
 impl Default for RatesSettings {
     fn default() -> Self {
-        RatesSettings { interval_s: 0.15, start: Start::Search }
+        RatesSettings { interval_s: 0.15, start: Start::Search, stamp: Stamp::End }
     }
 }
 
@@ -158,7 +160,7 @@ pub fn synchronise(
 ) -> Result<Sync> {
     same_length(optical_s.len(), world_from_body.len())?;
     crate::filter::positive("interval_s", settings.interval_s)?;
-    let path = GyroPath::new(sensor_s, gyro_rad_s)?;
+    let path = GyroPath::new(sensor_s, gyro_rad_s, settings.stamp)?;
     let turns = turns(optical_s, world_from_body, settings.interval_s)?;
     if turns.len() < LEAST_TURNS {
         return Err(Error::TooFewPoints { given: turns.len(), needed: LEAST_TURNS });

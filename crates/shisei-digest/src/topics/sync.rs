@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 
 use shisei_core::frames::Pose;
 use shisei_core::sync::fourier::{Complex, Fourier};
-use shisei_core::sync::gyro_path::GyroPath;
+use shisei_core::sync::gyro_path::{GyroPath, Stamp};
 use shisei_core::sync::rates::{RatesSettings, Start, Sync};
 use shisei_core::sync::wahba::{Pairs, nearest_rotation};
 use shisei_core::sync::{correlate, fourier, lever, rates};
@@ -91,14 +91,16 @@ fn filmed() -> Filmed {
 
 pub fn gyro_path(digest: &mut Digest) {
     let made = filmed();
-    digest.push_result(GyroPath::new(&made.sensor_s, &made.gyro), |digest, path| {
-        digest.push(path.step_s());
-        digest.push_all(&[path.span_s().0, path.span_s().1]);
-        for k in 0..40 {
-            let from_s = f64::from(k) * 0.313;
-            digest.push_vec3(path.turn(from_s, from_s + 0.217).unwrap_or([f64::NAN; 3]));
-        }
-    });
+    for stamp in [Stamp::End, Stamp::Instant] {
+        digest.push_result(GyroPath::new(&made.sensor_s, &made.gyro, stamp), |digest, path| {
+            digest.push(path.step_s());
+            digest.push_all(&[path.span_s().0, path.span_s().1]);
+            for k in 0..40 {
+                let from_s = f64::from(k) * 0.313;
+                digest.push_vec3(path.turn(from_s, from_s + 0.217).unwrap_or([f64::NAN; 3]));
+            }
+        });
+    }
 }
 
 pub fn rates(digest: &mut Digest) {

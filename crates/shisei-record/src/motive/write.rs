@@ -95,7 +95,10 @@ fn values(out: &mut Vec<u8>, take: &Take, row: usize, decimals: Decimals) {
     for column in &take.columns {
         out.push(b',');
         let value = column.cells.get(row).copied().unwrap_or(f64::NAN);
-        if value.is_finite() {
+        if value == 0.0 && value.is_sign_negative() && decimals == Decimals::Shortest {
+            // Motive writes -0.000000 for very small numbers
+            out.extend_from_slice(b"-0");
+        } else if value.is_finite() {
             push_number(out, value, decimals);
         }
     }
