@@ -165,6 +165,16 @@ pub enum Error {
     Degenerate,
     /// An iteration did not converge.
     NoConvergence,
+    /// Two recordings that should show one body's motion do not.
+    NoCommonMotion {
+        /// Share of the optical turns' squares that the gyroscope explains, 0 … 1.
+        explained: f64,
+    },
+    /// The body turned about one axis only.
+    OneAxisOnly {
+        /// Spread of the turns across their main axis as a share of that along it.
+        ratio: f64,
+    },
 }
 
 impl Error {
@@ -189,7 +199,9 @@ impl Error {
             | Error::ScaleOutOfBounds { .. }
             | Error::TooFewPoints { .. }
             | Error::Degenerate
-            | Error::NoConvergence => Kind::Condition,
+            | Error::NoConvergence
+            | Error::NoCommonMotion { .. }
+            | Error::OneAxisOnly { .. } => Kind::Condition,
         }
     }
 
@@ -306,6 +318,19 @@ fn english(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
              directions that differ more"
         ),
         Error::NoConvergence => write!(f, "the fit did not converge; check the data and their unit"),
+        Error::NoCommonMotion { explained } => write!(
+            f,
+            "the two recordings show no common motion (at best {:.0} % of the optical turns are in the \
+             gyroscope's); check that both are of the same object and the same time, and that it is turned for \
+             some seconds while the cameras see it",
+            100.0 * explained.max(0.0)
+        ),
+        Error::OneAxisOnly { ratio } => write!(
+            f,
+            "the object turned about one axis only (across it {:.1} % of the turning), which leaves the sensor's \
+             mounting open; turn it about two axes while the cameras see it",
+            100.0 * ratio
+        ),
     }
 }
 
@@ -383,6 +408,18 @@ fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::NoConvergence => {
             write!(f, "最適化が収束しませんでした。データと単位を確認してください")
         }
+        Error::NoCommonMotion { explained } => write!(
+            f,
+            "2 つの記録に共通の動きがありません (光学計測の回転のうち、ジャイロで説明できるのは最大 {:.0} % です)。\
+             同じ物体・同じ時間の記録か確認し、カメラに見える状態で数秒間回転させてください",
+            100.0 * explained.max(0.0)
+        ),
+        Error::OneAxisOnly { ratio } => write!(
+            f,
+            "物体が 1 つの軸まわりにしか回転していないため (それ以外の軸の回転は {:.1} %)、センサの取り付け向きが\
+             決まりません。カメラに見える状態で 2 つの軸まわりに回転させてください",
+            100.0 * ratio
+        ),
     }
 }
 
@@ -419,6 +456,8 @@ mod tests {
             Error::TooFewPoints { given: 3, needed: 4 },
             Error::Degenerate,
             Error::NoConvergence,
+            Error::NoCommonMotion { explained: 0.3 },
+            Error::OneAxisOnly { ratio: 0.01 },
         ] {
             let english = std::format!("{error}");
             let japanese = std::format!("{}", error.sentence(Lang::Ja));

@@ -23,6 +23,7 @@ pub mod error;
 pub mod estimator;
 pub mod euler;
 pub mod filter;
+pub mod frames;
 pub mod heading;
 pub mod initial;
 pub mod least_squares;
@@ -36,6 +37,8 @@ pub mod relative;
 pub mod rest;
 pub mod sphere;
 pub mod statistics;
+#[cfg(feature = "alloc")]
+pub mod sync;
 pub mod vector;
 
 pub use error::{Error, Face, Kind, Lang, Result};

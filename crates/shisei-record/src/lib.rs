@@ -17,6 +17,7 @@ pub mod error;
 mod error_text;
 mod judge;
 mod merge;
+pub mod motive;
 pub mod names;
 mod number;
 mod open;

@@ -168,7 +168,7 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
 }
 
 /// Unpacks gzip; tells known binary formats by their first bytes.
-fn unpack<'a>(input: &Input<'a>) -> Result<Cow<'a, [u8]>> {
+pub(crate) fn unpack<'a>(input: &Input<'a>) -> Result<Cow<'a, [u8]>> {
     let fail = |problem| Error::of_file(input.name, problem);
     let bytes = input.bytes;
     if bytes.is_empty() {

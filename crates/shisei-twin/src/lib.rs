@@ -6,6 +6,8 @@
 //! - [`sensor`]: bias, scale, misalignment, noise, quantisation and range of named sensors;
 //! - [`simulate()`]: all of them, sampled, seeded: [`Simulation`] holds the readings and the truth;
 //! - [`movements`]: movements for tests and demonstrations;
+//! - [`optics`]: cameras that film the body, with a clock, noise and losses of their own;
+//! - [`motive`]: what they saw as Motive's tracking CSV;
 //! - [`recordings`]: the recordings in `examples/` and their truth.
 //!
 //! Conventions are those of `shisei_core`. The same seed gives the same bits on every machine: the generator
@@ -15,7 +17,9 @@
 pub mod curve;
 pub mod imu;
 pub mod motion;
+pub mod motive;
 pub mod movements;
+pub mod optics;
 pub mod random;
 pub mod recordings;
 pub mod sensor;

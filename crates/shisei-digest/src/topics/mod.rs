@@ -9,6 +9,7 @@ mod motion;
 mod navigation;
 mod rest;
 mod rotation;
+mod sync;
 
 use crate::hash::Digest;
 
@@ -42,6 +43,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "euler", run: rotation::euler },
     Topic { name: "relative", run: rotation::relative },
     Topic { name: "heading", run: rotation::heading },
+    Topic { name: "frames", run: rotation::frames },
     Topic { name: "filter/exponential", run: filters::exponential },
     Topic { name: "filter/gyro", run: filters::gyro },
     Topic { name: "filter/mahony", run: filters::mahony },
@@ -82,4 +84,10 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "earth/analysis", run: earth::analyse },
     Topic { name: "earth/advice", run: earth::advise },
     Topic { name: "motion/foot", run: earth::foot },
+    Topic { name: "sync/fourier", run: sync::fourier },
+    Topic { name: "sync/correlate", run: sync::correlate },
+    Topic { name: "sync/wahba", run: sync::wahba },
+    Topic { name: "sync/gyro_path", run: sync::gyro_path },
+    Topic { name: "sync/rates", run: sync::rates },
+    Topic { name: "sync/lever", run: sync::lever },
 ];

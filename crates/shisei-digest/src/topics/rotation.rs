@@ -1,5 +1,6 @@
 //! Mathematics, vectors, quaternions, angles.
 
+use shisei_core::frames::{Axes, Pose};
 use shisei_core::{Quaternion, Result, Ypr, heading, math, relative, vector};
 
 use crate::hash::Digest;
@@ -140,4 +141,23 @@ pub fn heading(digest: &mut Digest) {
         heading::from_forward_axis(Quaternion::IDENTITY, [0.0, 0.0, 1.0]),
         Digest::push_quaternion,
     );
+}
+
+pub fn frames(digest: &mut Digest) {
+    let mut input = Input::new(7);
+    for _ in 0..32 {
+        let pose = Pose { position_m: input.vec3(10.0), world_from_body: input.quaternion() };
+        for from in Axes::ALL {
+            for to in Axes::ALL {
+                let change = from.to(to);
+                let moved = change.pose(pose);
+                digest.push_vec3(moved.position_m);
+                digest.push_quaternion(moved.world_from_body);
+                digest.push_vec3(change.axial(pose.position_m));
+                digest.push_result(change.world_of_pose(pose), |digest, pose| {
+                    digest.push_quaternion(pose.world_from_body);
+                });
+            }
+        }
+    }
 }

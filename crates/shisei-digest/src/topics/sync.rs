@@ -1,0 +1,140 @@
+//! Two clocks on one body.
+
+use alloc::vec::Vec;
+
+use shisei_core::frames::Pose;
+use shisei_core::sync::fourier::{Complex, Fourier};
+use shisei_core::sync::gyro_path::{GyroPath, Stamp};
+use shisei_core::sync::rates::{RatesSettings, Start, Sync};
+use shisei_core::sync::wahba::{Pairs, nearest_rotation};
+use shisei_core::sync::{correlate, fourier, lever, rates};
+use shisei_core::{Quaternion, Vec3, vector};
+
+use crate::hash::Digest;
+use crate::input::Input;
+
+pub fn fourier(digest: &mut Digest) {
+    let mut input = Input::new(80);
+    let mut x: Vec<Complex> = (0..256).map(|_| [input.signed(), input.signed()]).collect();
+    digest.push_all(&fourier::times(x[0], x[1]));
+    let transform = Fourier::new(200);
+    digest.push_result(transform, |digest, transform| {
+        digest.push_u64(transform.len() as u64 + u64::from(transform.is_empty()));
+        digest.push_result(transform.forward(&mut x), |_, ()| ());
+        digest.push_all(x.as_flattened());
+        digest.push_result(transform.inverse(&mut x), |_, ()| ());
+        digest.push_all(x.as_flattened());
+    });
+}
+
+pub fn correlate(digest: &mut Digest) {
+    let mut input = Input::new(81);
+    let mut y: Vec<f64> = (0..300).map(|_| input.signed()).collect();
+    let mut x = y[80..200].to_vec();
+    x[10..30].fill(f64::NAN);
+    y[100] = f64::NAN;
+    digest.push_result(correlate::peaks(&x, &y, 20, 4, 5), |digest, peaks| {
+        for peak in peaks {
+            digest.push_u64(peak.lag as u64);
+            digest.push(peak.correlation);
+        }
+    });
+}
+
+pub fn wahba(digest: &mut Digest) {
+    let mut input = Input::new(82);
+    let mut pairs = Pairs::default();
+    for _ in 0..20 {
+        pairs.add(input.vec3(1.0), input.vec3(1.0), 0.5);
+        digest.push(pairs.ratio());
+        digest.push_result(pairs.rotation(), Digest::push_quaternion);
+        digest.push_quaternion(nearest_rotation(&pairs.b_a));
+    }
+}
+
+/// A sensor turned to and fro about three axes, with a hole; and the attitudes that cameras see.
+struct Filmed {
+    sensor_s: Vec<f64>,
+    gyro: Vec<Vec3>,
+    acc: Vec<Vec3>,
+    optical_s: Vec<f64>,
+    poses: Vec<Option<Pose>>,
+}
+
+fn filmed() -> Filmed {
+    let mut input = Input::new(83);
+    let mut made = Filmed {
+        sensor_s: Vec::new(),
+        gyro: Vec::new(),
+        acc: Vec::new(),
+        optical_s: Vec::new(),
+        poses: Vec::new(),
+    };
+    let (mut q, mut rate) = (Quaternion::IDENTITY, [0.0; 3]);
+    for k in 0..1600 {
+        let push = input.vec3(0.6);
+        rate = vector::add(vector::scale(rate, 0.97), push);
+        q = q.product(Quaternion::from_rotation_vector(vector::scale(rate, 0.01))).normalized();
+        let time_s = f64::from(k) * 0.01;
+        made.sensor_s.push(time_s);
+        made.gyro.push(vector::add(rate, [0.02, -0.01, 0.03]));
+        made.acc.push(vector::scale(q.up_body(), 9.8));
+        if k >= 200 && k < 1500 {
+            made.optical_s.push(time_s - 2.0);
+            let seen = k % 100 > 4;
+            let position_m = input.vec3(1e-4);
+            made.poses.push(seen.then_some(Pose { position_m, world_from_body: q }));
+        }
+    }
+    made
+}
+
+pub fn gyro_path(digest: &mut Digest) {
+    let made = filmed();
+    for stamp in [Stamp::End, Stamp::Instant] {
+        digest.push_result(GyroPath::new(&made.sensor_s, &made.gyro, stamp), |digest, path| {
+            digest.push(path.step_s());
+            digest.push_all(&[path.span_s().0, path.span_s().1]);
+            for k in 0..40 {
+                let from_s = f64::from(k) * 0.313;
+                digest.push_vec3(path.turn(from_s, from_s + 0.217).unwrap_or([f64::NAN; 3]));
+            }
+        });
+    }
+}
+
+pub fn rates(digest: &mut Digest) {
+    let made = filmed();
+    let attitude: Vec<Option<Quaternion>> =
+        made.poses.iter().map(|pose| pose.map(|pose| pose.world_from_body)).collect();
+    for start in [Start::Search, Start::Near(2.03)] {
+        let settings = RatesSettings { start, ..RatesSettings::default() };
+        let found = rates::synchronise(&made.optical_s, &attitude, &made.sensor_s, &made.gyro, &settings);
+        digest.push_result(found, |digest, sync| push_sync(digest, &sync));
+    }
+}
+
+fn push_sync(digest: &mut Digest, sync: &Sync) {
+    digest.push_all(&[sync.offset_s, sync.skew, sync.middle_s, sync.sigma_offset_s, sync.sigma_skew]);
+    digest.push_quaternion(sync.body_from_sensor);
+    digest.push_vec3(sync.sigma_mounting_rad);
+    digest.push_vec3(sync.gyro_bias_rad_s);
+    digest.push_all(sync.gyro_matrix.as_flattened());
+    digest.push_all(&[sync.residual_rad_s, sync.explained, sync.runner_up, sync.axis_ratio]);
+    digest.push_all(&[sync.sensor_time_s(3.0), sync.optical_time_s(5.0), sync.sigma_time_s(1.0)]);
+    digest.push_u64(sync.turns as u64);
+}
+
+pub fn lever(digest: &mut Digest) {
+    let made = filmed();
+    let on_optical_clock: Vec<f64> = made.sensor_s.iter().map(|time_s| time_s - 2.0).collect();
+    let mounting = Quaternion::IDENTITY;
+    let found = lever::lever_arm(&made.optical_s, &made.poses, &on_optical_clock, &made.acc, mounting);
+    digest.push_result(found, |digest, lever| {
+        digest.push_vec3(lever.sensor_m);
+        digest.push_vec3(lever.sigma_m);
+        digest.push_vec3(lever.acc_bias_m_s2);
+        digest.push_vec3(lever.up);
+        digest.push_all(&[lever.sigma_up_rad, lever.gravity_m_s2, lever.residual_m_s2]);
+    });
+}

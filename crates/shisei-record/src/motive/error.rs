@@ -1,0 +1,221 @@
+//! Why a take could not be read or used.
+
+use shisei_core::Lang;
+use std::fmt;
+
+use crate::error::{Place, shorten};
+use crate::error_text::list;
+
+/// Result of this module.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What is wrong with a take.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Problem {
+    /// The bytes could not be unpacked.
+    Bytes(Box<crate::Problem>),
+    /// There is no row whose first cell is `Frame`.
+    NotMotive,
+    /// There is a heading and no frame after it.
+    NoFrames,
+    /// A cell that must be a number is text.
+    NotANumber {
+        /// The text, shortened.
+        text: String,
+    },
+    /// Frame numbers do not ascend.
+    FrameOrder {
+        /// The number before.
+        before: i64,
+        /// The number that follows it.
+        now: i64,
+    },
+    /// Neither a frame rate nor a time column says how long a frame is.
+    NoRate,
+    /// Nearly all cells of the table are missing.
+    Sparse {
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        columns: usize,
+    },
+    /// The unit of length is none of Motive's.
+    LengthUnit {
+        /// As written.
+        text: String,
+    },
+    /// The rotation type is none of Motive's.
+    RotationType {
+        /// As written.
+        text: String,
+    },
+    /// The take holds no body with rotation and position.
+    NoBodies,
+    /// There are several bodies and none was chosen.
+    ManyBodies {
+        /// Their names.
+        names: Vec<String>,
+    },
+    /// The chosen body is not in the take.
+    NoSuchBody {
+        /// What was asked for.
+        asked: String,
+        /// The names there are.
+        names: Vec<String>,
+    },
+    /// Bones were exported relative to their parents.
+    LocalBones,
+}
+
+/// A problem and its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Error {
+    /// What is wrong.
+    pub problem: Problem,
+    /// Where.
+    pub place: Box<Place>,
+}
+
+impl Error {
+    pub(super) fn of_file(file: &str, problem: Problem) -> Self {
+        Error::at(file, None, None, problem)
+    }
+
+    pub(super) fn at(
+        file: &str,
+        line: Option<usize>,
+        column: Option<(usize, String)>,
+        problem: Problem,
+    ) -> Self {
+        Error { problem, place: Box::new(Place { file: file.to_owned(), line, column }) }
+    }
+
+    /// The sentence in a language.
+    pub fn sentence(&self, lang: Lang) -> String {
+        let place = self.place.text(lang);
+        let text = match (&self.problem, lang) {
+            (Problem::Bytes(problem), Lang::En) => crate::error_text::english(problem),
+            (Problem::Bytes(problem), Lang::Ja) => crate::error_text::japanese(problem),
+            (problem, Lang::En) => english(problem),
+            (problem, Lang::Ja) => japanese(problem),
+        };
+        if place.is_empty() { text } else { format!("{place}: {text}") }
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.sentence(Lang::En))
+    }
+}
+
+impl std::error::Error for Error {}
+
+fn english(problem: &Problem) -> String {
+    match problem {
+        Problem::Bytes(problem) => crate::error_text::english(problem),
+        Problem::NotMotive => {
+            "this is no Motive tracking CSV: no row begins with the cell \"Frame\"; export the \
+                               take from Motive with File > Export Tracking Data, format CSV"
+                .into()
+        }
+        Problem::NoFrames => {
+            "the take has a heading and no frames after it; export it again with its frames".into()
+        }
+        Problem::NotANumber { text } => {
+            format!("\"{}\" is not a number; repair the cell or export the take again", shorten(text))
+        }
+        Problem::FrameOrder { before, now } => format!(
+            "frame {now} follows frame {before}; frame numbers must ascend; export one take, unchanged, from \
+             Motive"
+        ),
+        Problem::NoRate => {
+            "the first row has no Export Frame Rate and there is no usable time column; export \
+                            the take with its header information"
+                .into()
+        }
+        Problem::Sparse { rows, columns } => format!(
+            "the heading has {columns} columns and {rows} rows follow, but nearly all cells are missing; export \
+             the take again"
+        ),
+        Problem::LengthUnit { text } => format!(
+            "the length unit \"{}\" is not known; export with metres, centimetres or millimetres",
+            shorten(text)
+        ),
+        Problem::RotationType { text } => format!(
+            "the rotation type \"{}\" is not known; export with Quaternion or an Euler order such as XYZ",
+            shorten(text)
+        ),
+        Problem::NoBodies => {
+            "the take holds no rigid body and no bone with rotation and position; make a rigid \
+                              body of the tool's markers in Motive and export it"
+                .into()
+        }
+        Problem::ManyBodies { names } => {
+            format!("there is more than one body in the take: {}; choose one with --body NAME", list(names))
+        }
+        Problem::NoSuchBody { asked, names } => format!(
+            "there is no body \"{}\"; the take has: {}; choose one of them",
+            shorten(asked),
+            list(names)
+        ),
+        Problem::LocalBones => "the bones were exported relative to their parents (Coordinate Space Local); \
+                                export the take with Coordinate Space Global"
+            .into(),
+    }
+}
+
+fn japanese(problem: &Problem) -> String {
+    match problem {
+        Problem::Bytes(problem) => crate::error_text::japanese(problem),
+        Problem::NotMotive => {
+            "Motive のトラッキング CSV ではありません (先頭のセルが \"Frame\" の行がありません)。\
+                               Motive の File > Export Tracking Data で CSV 形式を選んで書き出してください"
+                .into()
+        }
+        Problem::NoFrames => {
+            "見出しだけでフレームがありません。フレームを含めて書き出し直してください".into()
+        }
+        Problem::NotANumber { text } => format!(
+            "\"{}\" は数値ではありません。セルを修正するか、テイクを書き出し直してください",
+            shorten(text)
+        ),
+        Problem::FrameOrder { before, now } => format!(
+            "フレーム {before} の次がフレーム {now} です。フレーム番号は増加していく必要があります。\
+             1 つのテイクをそのまま Motive から書き出してください"
+        ),
+        Problem::NoRate => "先頭行に Export Frame Rate がなく、使える時刻の列もありません。\
+                            ヘッダ情報を付けて書き出してください"
+            .into(),
+        Problem::Sparse { rows, columns } => format!(
+            "見出しは {columns} 列、データは {rows} 行ですが、ほとんどのセルがありません。\
+             テイクを書き出し直してください"
+        ),
+        Problem::LengthUnit { text } => format!(
+            "長さの単位 \"{}\" が分かりません。メートル、センチメートル、ミリメートルのいずれかで書き出してください",
+            shorten(text)
+        ),
+        Problem::RotationType { text } => format!(
+            "回転の形式 \"{}\" が分かりません。Quaternion、または XYZ などのオイラー角で書き出してください",
+            shorten(text)
+        ),
+        Problem::NoBodies => {
+            "回転と位置を持つ剛体もボーンもありません。Motive で道具のマーカーから剛体を作り、\
+                              書き出してください"
+                .into()
+        }
+        Problem::ManyBodies { names } => {
+            format!("剛体が複数あります: {}。--body NAME で 1 つ選んでください", list(names))
+        }
+        Problem::NoSuchBody { asked, names } => format!(
+            "\"{}\" という剛体はありません。このテイクにあるのは {} です。この中から選んでください",
+            shorten(asked),
+            list(names)
+        ),
+        Problem::LocalBones => {
+            "ボーンが親に対する相対座標 (Coordinate Space が Local) で書き出されています。\
+                                Global で書き出してください"
+                .into()
+        }
+    }
+}
