@@ -50,7 +50,7 @@ impl<'a> Put<'a> {
 #[derive(Clone, Copy)]
 pub struct Take<'a>(pub &'a [u8]);
 
-impl<'a> Take<'a> {
+impl Take<'_> {
     fn array<const N: usize>(&mut self) -> Result<[u8; N]> {
         let (head, rest) = self.0.split_first_chunk().ok_or(Error::Length)?;
         self.0 = rest;

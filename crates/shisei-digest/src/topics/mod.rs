@@ -1,6 +1,7 @@
 //! The topics: a file of the core each. What is added to the core is added here.
 
 mod calibration;
+mod clock;
 mod filters;
 mod fits;
 mod motion;
@@ -69,4 +70,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
     Topic { name: "earth", run: motion::earth },
     Topic { name: "earth/mean", run: motion::earth_mean },
+    Topic { name: "clock/fit", run: clock::fit },
+    Topic { name: "clock/frames", run: clock::frames },
+    Topic { name: "clock/unwrap", run: clock::unwrap },
 ];
