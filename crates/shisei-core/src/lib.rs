@@ -18,6 +18,7 @@ extern crate alloc;
 #[cfg(feature = "alloc")]
 pub mod allan;
 pub mod calibration;
+pub mod clock;
 pub mod earth;
 pub mod error;
 pub mod estimator;

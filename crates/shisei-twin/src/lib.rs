@@ -8,6 +8,7 @@
 //! - [`movements`]: movements for tests and demonstrations;
 //! - [`optics`]: cameras that film the body, with a clock, noise and losses of their own;
 //! - [`motive`]: what they saw as Motive's tracking CSV;
+//! - [`lab`]: nodes, radio links, camera pulses and a receiver without hardware;
 //! - [`recordings`]: the recordings in `examples/` and their truth.
 //!
 //! Conventions are those of `shisei_core`. The same seed gives the same bits on every machine: the generator
@@ -16,6 +17,7 @@
 
 pub mod curve;
 pub mod imu;
+pub mod lab;
 pub mod motion;
 pub mod motive;
 pub mod movements;

@@ -1,6 +1,7 @@
 //! The topics: a file of the core each. What is added to the core is added here.
 
 mod calibration;
+mod clock;
 mod earth;
 mod estimator;
 mod filters;
@@ -90,4 +91,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "sync/gyro_path", run: sync::gyro_path },
     Topic { name: "sync/rates", run: sync::rates },
     Topic { name: "sync/lever", run: sync::lever },
+    Topic { name: "clock/fit", run: clock::fit },
+    Topic { name: "clock/frames", run: clock::frames },
+    Topic { name: "clock/unwrap", run: clock::unwrap },
 ];

@@ -1,0 +1,156 @@
+//! A receiver, seen from the PC.
+
+use shisei_device::receiver::{NODES_MAX, Receiver};
+use shisei_wire::frame::FRAME_MAX;
+use shisei_wire::message::{Command, EventCode, MESSAGE_MAX, NO_NODE};
+use shisei_wire::packet::{self, Anchor, Header, Sample};
+use shisei_wire::{Deframer, Message, encode_frame};
+
+type Small = Receiver<4096>;
+
+/// What the PC reads now; every frame must be readable.
+fn read<const N: usize>(receiver: &mut Receiver<N>, mut each: impl FnMut(&Message<'_>)) -> usize {
+    let mut bytes = vec![0; N];
+    let count = receiver.outbox.take(&mut bytes);
+    let (mut deframer, mut frames) = (Deframer::default(), 0);
+    for byte in &bytes[..count] {
+        if let Some(message) = deframer.push(*byte) {
+            each(&Message::decode(message.expect("a whole frame")).expect("a message"));
+            frames += 1;
+        }
+    }
+    assert_eq!(deframer.pending(), 0);
+    frames
+}
+
+fn events<const N: usize>(receiver: &mut Receiver<N>) -> Vec<(EventCode, u8, u32)> {
+    let mut events = Vec::new();
+    read(receiver, |message| {
+        if let Message::Event(event) = message {
+            events.push((event.code, event.node, event.value));
+        }
+    });
+    events
+}
+
+fn notification(boot: u16, sequence: u16, event: u16) -> Vec<u8> {
+    let anchor = Some(Anchor { event, time_us: 5 });
+    let header = Header { boot, sequence, anchor, ..Header::default() };
+    let mut bytes = [0; 240];
+    let length = packet::encode(&header, &[Sample::default(); 4], &mut bytes).unwrap();
+    bytes[..length].to_vec()
+}
+
+fn send(receiver: &mut Small, command: &Command<'_>) -> Option<(u8, Vec<u8>)> {
+    let (mut bytes, mut frame) = ([0; MESSAGE_MAX], [0; FRAME_MAX]);
+    let length = Message::Command(*command).encode(&mut bytes).unwrap();
+    let length = encode_frame(&bytes[..length], &mut frame).unwrap();
+    let answers: Vec<_> = frame[..length].iter().filter_map(|byte| receiver.byte(*byte, 0)).collect();
+    answers.first().map(|to_node| (to_node.node, to_node.bytes().to_vec()))
+}
+
+#[test]
+fn losses_reboots_and_anchors_are_told() {
+    let mut receiver = Small::new(3, 0);
+    assert_eq!(receiver.advertised([1; 6], 0), Some(0));
+    receiver.connected(0, "左手", &[0xe4, 0x0c, 0xd0, 0x09, 0, 1, 0, 1, 0], 10);
+    for event in 0..100 {
+        receiver.anchor(0, event, u64::from(event) * 15_000);
+    }
+    assert_eq!(events(&mut receiver), [(EventCode::Started, NO_NODE, 3), (EventCode::Connected, 0, 0)]);
+    receiver.notification(0, &notification(9, 65_532, 99), 20);
+    receiver.notification(0, &notification(9, 0, 98), 21);
+    receiver.notification(0, &notification(9, 9, 3), 22);
+    receiver.notification(0, &notification(8, 0, 99), 23);
+    receiver.notification(0, &[1, 2, 3], 24);
+    let (mut anchors, mut told) = (vec![], vec![]);
+    read(&mut receiver, |message| match message {
+        Message::Data(data) => anchors.push(data.anchor_us),
+        Message::Event(event) => told.push((event.code, event.value)),
+        _ => {}
+    });
+    assert_eq!(anchors, [Some(1_485_000), Some(1_470_000), None, Some(1_485_000)]);
+    assert_eq!(told, [(EventCode::Lost, 5), (EventCode::Rebooted, 8), (EventCode::BadPacket, 3)]);
+}
+
+#[test]
+fn pulses_count_from_the_gate() {
+    let mut receiver = Small::new(3, 0);
+    receiver.pulse(100, 11);
+    receiver.gate(true, 150, 11);
+    receiver.gate(true, 151, 11);
+    receiver.pulse(200, 12);
+    receiver.pulse(300, 14);
+    receiver.gate(false, 350, 14);
+    receiver.tick(2_000_000);
+    let (mut pulses, mut told) = (vec![], vec![]);
+    read(&mut receiver, |message| match message {
+        Message::Pulse(pulse) => pulses.push((pulse.count, pulse.gate_seen)),
+        Message::Event(event) => told.push((event.code, event.value)),
+        _ => {}
+    });
+    assert_eq!(pulses, [(10, false), (0, true), (2, true)]);
+    assert_eq!(
+        told,
+        [
+            (EventCode::Started, 3),
+            (EventCode::GateUp, 0),
+            (EventCode::GateDown, 3),
+            (EventCode::PulsesStopped, 2)
+        ]
+    );
+}
+
+#[test]
+fn six_nodes_and_a_seventh() {
+    let mut receiver = Small::new(3, 0);
+    for place in 0..NODES_MAX {
+        assert_eq!(receiver.advertised([place as u8; 6], 0), Some(place));
+        receiver.connected(place, "", &[], 0);
+    }
+    assert_eq!(receiver.advertised([9; 6], 0), None);
+    assert_eq!(receiver.advertised([9; 6], 1), None);
+    assert_eq!(events(&mut receiver).iter().filter(|event| event.0 == EventCode::Full).count(), 1);
+    receiver.disconnected(2, 8, 2);
+    assert_eq!(receiver.advertised([2; 6], 3), Some(2), "its old place");
+    assert_eq!(receiver.advertised([9; 6], 3), Some(2), "a place of one that is gone");
+}
+
+#[test]
+fn a_slow_pc_costs_whole_frames_that_are_counted() {
+    let mut receiver = Small::new(3, 0);
+    receiver.connected(0, "", &[], 0);
+    let mut sent = 2;
+    for k in 0..200_u16 {
+        receiver.notification(0, &notification(9, 4 * k, 0), 0);
+        sent += 1;
+    }
+    let kept = read(&mut receiver, |_| {});
+    let dropped = receiver.outbox.dropped();
+    assert!(dropped > 100);
+    assert_eq!(kept + dropped as usize, sent);
+    receiver.tick(1);
+    assert!(events(&mut receiver).contains(&(EventCode::Dropped, NO_NODE, dropped)));
+    receiver.tick(2_000_000);
+    assert!(!events(&mut receiver).iter().any(|event| event.0 == EventCode::Dropped));
+}
+
+#[test]
+fn commands_go_to_nodes_that_are_there() {
+    let mut receiver = Small::new(3, 0);
+    assert_eq!(receiver.advertised([1; 6], 0), Some(0));
+    receiver.connected(0, "a", &[], 0);
+    assert_eq!(send(&mut receiver, &Command::Rename(0, "足")), Some((0, [&[132], "足".as_bytes()].concat())));
+    assert_eq!(send(&mut receiver, &Command::Identify(NO_NODE)), Some((NO_NODE, vec![130])));
+    let _ = events(&mut receiver);
+    assert_eq!(send(&mut receiver, &Command::Identify(1)), None);
+    assert_eq!(events(&mut receiver), [(EventCode::BadCommand, 1, 130)]);
+    for byte in [5, 5, 5, 0] {
+        assert_eq!(receiver.byte(byte, 0), None);
+    }
+    assert_eq!(events(&mut receiver), [(EventCode::BadCommand, NO_NODE, 0)]);
+    assert_eq!(send(&mut receiver, &Command::Ask), None);
+    let mut nodes = 0;
+    read(&mut receiver, |message| nodes += u32::from(matches!(message, Message::Node(_))));
+    assert_eq!(nodes, 1);
+}
