@@ -122,7 +122,8 @@ pub fn orient<'py>(
         None if auto_rest => RestChoice::Auto,
         None => RestChoice::None,
     };
-    let settings = Settings { method, rest, relative: Relative::None, forward_axis_body, gravity_m_s2 };
+    let settings =
+        Settings { method, rest, relative: Relative::None, forward_axis_body, gravity_m_s2, sensor: None };
     let steps;
     let dt = match dt_s.dt()? {
         Dt::PerSample(dt) => dt,

@@ -136,7 +136,7 @@ fn plan(args: Orient, lang: Lang) -> Outcome<Plan> {
     };
     let inputs = args.files.iter().chain(&args.calibration).cloned().collect();
     let writer = Writer { force: args.force, lang, inputs };
-    Ok(Plan { options, settings, rest, calibration, writer, lang, args })
+    Ok(Plan { args, options, settings, rest, calibration, writer, lang })
 }
 
 /// Computes and writes one recording; nothing is written unless everything could be computed.

@@ -47,7 +47,7 @@ pub(super) struct RestFinder {
 
 impl RestFinder {
     /// True while the sensor has been read and at rest for [`RestLimits::hold_s`].
-    pub fn update(&mut self, limits: &RestLimits, reading: &Reading) -> bool {
+    pub(super) fn update(&mut self, limits: &RestLimits, reading: &Reading) -> bool {
         if !(reading.gyro_known && reading.acc_known) {
             self.restart();
             return false;
@@ -75,7 +75,7 @@ impl RestFinder {
     }
 
     /// Starts anew, as after a gap.
-    pub fn restart(&mut self) {
+    pub(super) fn restart(&mut self) {
         *self = RestFinder { bias: self.bias, ..RestFinder::default() };
     }
 }

@@ -73,7 +73,9 @@ pub fn lag(digest: &mut Digest) {
             estimator.update(sample, &mut states);
         }
         estimator.finish(&mut states);
-        states.iter().for_each(|state| push_state(digest, state));
+        for state in &states {
+            push_state(digest, state);
+        }
     });
 }
 
@@ -104,7 +106,9 @@ pub fn smoother(digest: &mut Digest) {
     digest.push_result(
         smooth(&acc_m_s2, &gyro_rad_s, Dt::PerSample(&dt_s), &Settings::default()),
         |digest, smoothed| {
-            smoothed.states.iter().for_each(|state| push_state(digest, state));
+            for state in &smoothed.states {
+                push_state(digest, state);
+            }
             push_calibration(digest, &smoothed.calibration);
         },
     );

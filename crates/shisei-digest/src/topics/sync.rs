@@ -79,7 +79,7 @@ fn filmed() -> Filmed {
         made.sensor_s.push(time_s);
         made.gyro.push(vector::add(rate, [0.02, -0.01, 0.03]));
         made.acc.push(vector::scale(q.up_body(), 9.8));
-        if k >= 200 && k < 1500 {
+        if (200..1500).contains(&k) {
             made.optical_s.push(time_s - 2.0);
             let seen = k % 100 > 4;
             let position_m = input.vec3(1e-4);

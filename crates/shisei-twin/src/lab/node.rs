@@ -133,7 +133,7 @@ impl SimulatedNode {
 
     fn start(&mut self, now_s: f64) {
         // Near its end now and then, so that the 32-bit stamp wraps.
-        let offset_us = if self.index % 2 == 0 {
+        let offset_us = if self.index.is_multiple_of(2) {
             self.random.between(0.0, 1e6)
         } else {
             f64::from(u32::MAX) - self.random.between(5e6, 9e6)
