@@ -441,6 +441,6 @@ mod tests {
         let (acc, gyro, dt) = &moving;
         assert!(orient(acc, gyro, dt, &Settings::default()).is_ok_and(|found| found.rest.is_none()));
         let forward = Settings { forward_axis_body: Some([0.0, 0.0, 1.0]), ..Settings::default() };
-        assert!(matches!(orient(&acc, &gyro, &dt, &forward), Err(Error::AxisNearVertical { .. })));
+        assert!(matches!(orient(acc, gyro, dt, &forward), Err(Error::AxisNearVertical { .. })));
     }
 }

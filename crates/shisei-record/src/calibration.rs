@@ -276,7 +276,8 @@ mod tests {
 
     #[test]
     fn wrong_files_are_named() {
-        let cases: [(&str, fn(&CalibrationError) -> bool); 6] = [
+        type Expected = fn(&CalibrationError) -> bool;
+        let cases: [(&str, Expected); 6] = [
             ("", |e| matches!(e, CalibrationError::NotJson(_))),
             ("[1]", |e| matches!(e, CalibrationError::NotJson(_))),
             ("{}", |e| matches!(e, CalibrationError::OtherFormat(_))),
