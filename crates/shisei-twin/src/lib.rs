@@ -6,6 +6,7 @@
 //! - [`sensor`]: bias, scale, misalignment, noise, quantisation and range of named sensors;
 //! - [`simulate()`]: all of them, sampled, seeded: [`Simulation`] holds the readings and the truth;
 //! - [`movements`]: movements for tests and demonstrations;
+//! - [`lab`]: nodes, radio links, camera pulses and a receiver without hardware;
 //! - [`recordings`]: the recordings in `examples/` and their truth.
 //!
 //! Conventions are those of `shisei_core`. The same seed gives the same bits on every machine: the generator
@@ -14,6 +15,7 @@
 
 pub mod curve;
 pub mod imu;
+pub mod lab;
 pub mod motion;
 pub mod movements;
 pub mod random;

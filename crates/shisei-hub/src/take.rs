@@ -1,0 +1,275 @@
+//! A recording in MCAP.
+//!
+//! | topic | what |
+//! |---|---|
+//! | `/raw/PORT` | the bytes of the line as they came, unreadable ones too; [`crate::Session`] decodes them anew |
+//! | `/imu/N` | samples of the node at place N, `sensor_msgs/msg/Imu` |
+//! | `/sample/N` | the same samples with boot, sequence number, time and frame index, JSON |
+//! | `/event` | what happened, JSON |
+//!
+//! Chunks are built in memory and written whole, so a cut file ends at most in one torn chunk. [`Take::flush`] is to
+//! be called at least every half second.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex};
+
+use mcap::records::MessageHeader;
+use mcap::write::NoSeek;
+use serde_json::json;
+
+use crate::cdr;
+use crate::session::{Item, Sample};
+
+/// A recording as it is written.
+pub struct Take<W: Write> {
+    writer: mcap::Writer<NoSeek<Sink<W>>>,
+    state: Arc<Mutex<State>>,
+    port: String,
+    channels: BTreeMap<String, u16>,
+    sequence: u32,
+    /// What the receiver's clock shows at 0 ns: the smallest delay seen.
+    receiver_to_unix_ns: Option<i128>,
+}
+
+impl<W: Write> std::fmt::Debug for Take<W> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Take")
+            .field("port", &self.port)
+            .field("channels", &self.channels)
+            .finish_non_exhaustive()
+    }
+}
+
+/// What happened to the writer.
+#[derive(Debug, Default)]
+struct State {
+    error: Option<io::Error>,
+    written: u64,
+}
+
+/// Passes bytes on until one write fails; then keeps the error and swallows the rest, so that the file ends where
+/// it was whole.
+#[derive(Debug)]
+struct Sink<W: Write> {
+    inner: W,
+    state: Arc<Mutex<State>>,
+}
+
+impl<W: Write> Sink<W> {
+    fn guarded(&mut self, act: impl FnOnce(&mut W) -> io::Result<u64>) {
+        let Ok(mut state) = self.state.lock() else { return };
+        if state.error.is_none() {
+            match act(&mut self.inner) {
+                Ok(count) => state.written += count,
+                Err(error) => state.error = Some(error),
+            }
+        }
+    }
+}
+
+impl<W: Write> Write for Sink<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.guarded(|inner| inner.write_all(bytes).map(|()| bytes.len() as u64));
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.guarded(|inner| inner.flush().map(|()| 0));
+        Ok(())
+    }
+}
+
+impl<W: Write> Take<W> {
+    /// Begins a recording of a port.
+    pub fn new(inner: W, port: &str) -> io::Result<Self> {
+        let state = Arc::new(Mutex::new(State::default()));
+        let sink = Sink { inner, state: Arc::clone(&state) };
+        let writer = mcap::WriteOptions::new()
+            .compression(None)
+            .disable_seeking(true)
+            .library(concat!("shisei ", env!("CARGO_PKG_VERSION")))
+            .create(NoSeek::new(sink))
+            .map_err(other)?;
+        let mut take = Take {
+            writer,
+            state,
+            port: port.to_owned(),
+            channels: BTreeMap::new(),
+            sequence: 0,
+            receiver_to_unix_ns: None,
+        };
+        take.flush()?;
+        Ok(take)
+    }
+
+    /// Bytes of the line that came at a time, ns since 1970.
+    pub fn raw(&mut self, bytes: &[u8], unix_ns: u64) -> io::Result<()> {
+        let topic = format!("/raw/{}", self.port);
+        self.message(&topic, None, unix_ns, unix_ns, bytes)
+    }
+
+    /// Something that a session told at a time, ns since 1970. `receiver_s` is the receiver's newest time.
+    pub fn item(&mut self, item: &Item, receiver_s: f64, unix_ns: u64) -> io::Result<()> {
+        match item {
+            Item::Sample(sample) => {
+                let stamp_ns =
+                    sample.time_s.map_or(unix_ns, |time_s| self.stamp(time_s, receiver_s, unix_ns));
+                let (imu, columns) = (cdr::imu(sample, stamp_ns), columns(sample));
+                let node = sample.node;
+                self.message(&format!("/imu/{node}"), Some(&IMU), unix_ns, stamp_ns, &imu)?;
+                self.message(
+                    &format!("/sample/{node}"),
+                    Some(&SAMPLE),
+                    unix_ns,
+                    stamp_ns,
+                    columns.to_string().as_bytes(),
+                )
+            }
+            Item::Hello(_) => Ok(()),
+            Item::Event(event) => self.event(
+                unix_ns,
+                &json!({
+                    "event": format!("{:?}", event.code), "node": event.node, "value": event.value,
+                    "time_s": event.time_us as f64 * 1e-6,
+                }),
+            ),
+            Item::Lost(node, count) => {
+                self.event(unix_ns, &json!({"event": "LostHere", "node": node, "value": count}))
+            }
+            Item::Rebooted(node, boot) => {
+                self.event(unix_ns, &json!({"event": "RebootedHere", "node": node, "value": boot}))
+            }
+            Item::ReceiverRebooted(boot) => {
+                self.event(unix_ns, &json!({"event": "ReceiverRebooted", "value": boot}))
+            }
+            Item::Node(node) => self.event(
+                unix_ns,
+                &json!({
+                    "event": "Node", "node": node.node, "connected": node.connected, "address": node.address,
+                    "name": node.name, "battery_mv": node.battery_mv,
+                }),
+            ),
+            Item::Garbage => self.event(unix_ns, &json!({"event": "Garbage"})),
+        }
+    }
+
+    /// Something that the door noticed: a port that is gone or back.
+    pub fn note(&mut self, what: &str, unix_ns: u64) -> io::Result<()> {
+        self.event(unix_ns, &json!({"event": what}))
+    }
+
+    fn event(&mut self, unix_ns: u64, event: &serde_json::Value) -> io::Result<()> {
+        self.message("/event", Some(&EVENT), unix_ns, unix_ns, event.to_string().as_bytes())
+    }
+
+    /// A receiver's time as time of day: the line only ever delays, so the smallest delay is the best guess.
+    fn stamp(&mut self, time_s: f64, receiver_s: f64, unix_ns: u64) -> u64 {
+        let difference = i128::from(unix_ns) - (receiver_s * 1e9) as i128;
+        let known = self.receiver_to_unix_ns.map_or(difference, |known| known.min(difference));
+        self.receiver_to_unix_ns = Some(known);
+        ((time_s * 1e9) as i128 + known).clamp(0, i128::from(u64::MAX)) as u64
+    }
+
+    fn message(
+        &mut self,
+        topic: &str,
+        schema: Option<&Schema>,
+        log_ns: u64,
+        publish_ns: u64,
+        data: &[u8],
+    ) -> io::Result<()> {
+        let channel_id = if let Some(&id) = self.channels.get(topic) {
+            id
+        } else {
+            let id = self.channel(topic, schema)?;
+            self.channels.insert(topic.to_owned(), id);
+            id
+        };
+        self.sequence = self.sequence.wrapping_add(1);
+        let header =
+            MessageHeader { channel_id, sequence: self.sequence, log_time: log_ns, publish_time: publish_ns };
+        self.writer.write_to_known_channel(&header, data).map_err(other)?;
+        self.outcome()
+    }
+
+    fn channel(&mut self, topic: &str, schema: Option<&Schema>) -> io::Result<u16> {
+        let (schema_id, encoding) = match schema {
+            None => (0, "application/octet-stream"),
+            Some(s) => {
+                let id = self.writer.add_schema(s.name, s.encoding, s.text.as_bytes()).map_err(other)?;
+                (id, s.message_encoding)
+            }
+        };
+        self.writer.add_channel(schema_id, topic, encoding, &BTreeMap::new()).map_err(other)
+    }
+
+    /// Closes the chunk and hands it to the system: what was given so far survives the end of this process.
+    pub fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush().map_err(other)?;
+        self.outcome()
+    }
+
+    /// Ends the recording with its index.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.writer.finish().map_err(other)?;
+        self.outcome()
+    }
+
+    /// Bytes that were written whole.
+    pub fn written(&self) -> u64 {
+        self.state.lock().map_or(0, |state| state.written)
+    }
+
+    fn outcome(&self) -> io::Result<()> {
+        let Ok(state) = self.state.lock() else { return Ok(()) };
+        match &state.error {
+            None => Ok(()),
+            Some(error) => Err(io::Error::new(error.kind(), error.to_string())),
+        }
+    }
+}
+
+fn other(error: mcap::McapError) -> io::Error {
+    io::Error::other(error)
+}
+
+struct Schema {
+    name: &'static str,
+    encoding: &'static str,
+    message_encoding: &'static str,
+    text: &'static str,
+}
+
+const IMU: Schema =
+    Schema { name: cdr::NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::DEFINITION };
+const SAMPLE: Schema = Schema {
+    name: "shisei.Sample",
+    encoding: "jsonschema",
+    message_encoding: "json",
+    text: r#"{"type":"object","properties":{"node":{"type":"integer"},"boot":{"type":"integer"},"seq":{"type":"integer"},"stamp_us":{"type":"integer"},"time_s":{"type":["number","null"]},"frame":{"type":["number","null"]},"from_gate":{"type":"boolean"},"arrival_frame":{"type":["integer","null"]},"late":{"type":"boolean"},"reading_missed":{"type":"boolean"},"temp_c":{"type":["number","null"]},"start":{"type":"string"},"filter":{"type":"string"}}}"#,
+};
+const EVENT: Schema = Schema {
+    name: "shisei.Event",
+    encoding: "jsonschema",
+    message_encoding: "json",
+    text: r#"{"type":"object","properties":{"event":{"type":"string"},"node":{"type":"integer"},"value":{"type":"integer"}}}"#,
+};
+
+fn columns(sample: &Sample) -> serde_json::Value {
+    json!({
+        "node": sample.node,
+        "boot": sample.boot,
+        "seq": sample.sequence,
+        "stamp_us": sample.stamp_us,
+        "time_s": sample.time_s,
+        "frame": sample.frame,
+        "from_gate": sample.from_gate,
+        "arrival_frame": sample.arrival_frame,
+        "late": sample.late,
+        "reading_missed": sample.reading_missed,
+        "temp_c": sample.temperature_c,
+        "start": format!("{:?}", sample.start),
+        "filter": format!("{:?}", sample.filter),
+    })
+}
