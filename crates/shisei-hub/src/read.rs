@@ -53,5 +53,5 @@ fn records(file: &[u8], mut each: impl FnMut(Record<'_>)) -> io::Result<()> {
             Err(error) => return Err(io::Error::new(io::ErrorKind::InvalidData, error)),
         }
     }
-    Ok(())
+    if any { Ok(()) } else { Err(io::Error::from(io::ErrorKind::UnexpectedEof)) }
 }

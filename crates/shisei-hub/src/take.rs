@@ -179,13 +179,12 @@ impl<W: Write> Take<W> {
         publish_ns: u64,
         data: &[u8],
     ) -> io::Result<()> {
-        let channel_id = match self.channels.get(topic) {
-            Some(&id) => id,
-            None => {
-                let id = self.channel(topic, schema)?;
-                self.channels.insert(topic.to_owned(), id);
-                id
-            }
+        let channel_id = if let Some(&id) = self.channels.get(topic) {
+            id
+        } else {
+            let id = self.channel(topic, schema)?;
+            self.channels.insert(topic.to_owned(), id);
+            id
         };
         self.sequence = self.sequence.wrapping_add(1);
         let header =

@@ -154,6 +154,12 @@ impl Session {
                     self.counts.garbage += 1;
                     items.push(Item::Garbage);
                 }
+            if let Ok(message) = frame.and_then(Message::decode) {
+                self.counts.frames += 1;
+                self.message(&message, items);
+            } else {
+                self.counts.garbage += 1;
+                items.push(Item::Garbage);
             }
         }
         self.deframer = deframer;

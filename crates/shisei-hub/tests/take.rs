@@ -1,0 +1,134 @@
+//! Recordings that are cut, and disks that are full.
+
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex};
+
+use shisei_hub::{Session, Take, read};
+use shisei_twin::lab::{Lab, Settings};
+
+/// A disk with so much room.
+#[derive(Clone, Default)]
+struct Disk {
+    bytes: Arc<Mutex<Vec<u8>>>,
+    room: Option<usize>,
+}
+
+impl Write for Disk {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let mut all = self.bytes.lock().unwrap();
+        let count = self.room.map_or(bytes.len(), |room| room.saturating_sub(all.len()).min(bytes.len()));
+        if count == 0 && !bytes.is_empty() {
+            return Err(io::Error::from(io::ErrorKind::StorageFull));
+        }
+        all.extend_from_slice(&bytes[..count]);
+        Ok(count)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+const START_NS: u64 = 1_700_000_000_000_000_000;
+
+/// Six seconds of two nodes; what was given before each flush. Ends at the first error.
+fn record(disk: Disk) -> (Vec<u8>, Vec<(usize, usize)>, io::Result<()>) {
+    let mut lab = Lab::new(Settings { movement_s: 10.0, ..Settings::default() });
+    let mut session = Session::default();
+    let (mut given, mut flushed) = (Vec::new(), Vec::new());
+    let bytes = Arc::clone(&disk.bytes);
+    let work = || -> io::Result<()> {
+        let mut take = Take::new(disk, "port")?;
+        for step in 1..=600 {
+            lab.run_to(f64::from(step) * 0.01);
+            let (mut new, mut items) = (Vec::new(), Vec::new());
+            lab.serial(&mut new);
+            let now_ns = START_NS + step as u64 * 10_000_000;
+            take.raw(&new, now_ns)?;
+            given.extend_from_slice(&new);
+            session.push(&new, &mut items);
+            for item in &items {
+                take.item(item, session.time_s(), now_ns)?;
+            }
+            if step % 40 == 0 {
+                take.flush()?;
+                flushed.push((bytes.lock().unwrap().len(), given.len()));
+            }
+        }
+        take.finish()
+    };
+    let outcome = work();
+    (given, flushed, outcome)
+}
+
+fn raw_of(file: &[u8]) -> io::Result<Vec<u8>> {
+    let mut raw = Vec::new();
+    read::raw(file, |port, time_ns, bytes| {
+        assert_eq!(port, "port");
+        assert!((START_NS..START_NS + 7_000_000_000).contains(&time_ns));
+        raw.extend_from_slice(bytes);
+    })?;
+    Ok(raw)
+}
+
+#[test]
+fn a_recording_comes_back_and_decodes_anew() {
+    let disk = Disk::default();
+    let (given, _, outcome) = record(disk.clone());
+    outcome.unwrap();
+    let file = disk.bytes.lock().unwrap().clone();
+    assert_eq!(raw_of(&file).unwrap(), given);
+    // The format's own reader sees the decoded samples as well.
+    let (mut imu, mut columns, mut tagged) = (0, 0, 0);
+    for message in mcap::MessageStream::new(&file).unwrap() {
+        let message = message.unwrap();
+        if message.channel.topic.starts_with("/imu/") {
+            assert_eq!(message.channel.schema.as_ref().unwrap().name, "sensor_msgs/msg/Imu");
+            // Encapsulation; time and string, padded to eights; 37 numbers.
+            assert_eq!(message.data.len(), 4 + 24 + 37 * 8);
+            imu += 1;
+        } else if message.channel.topic.starts_with("/sample/") {
+            let value: serde_json::Value = serde_json::from_slice(&message.data).unwrap();
+            tagged += u32::from(value["frame"].is_number());
+            columns += 1;
+        }
+    }
+    assert!(imu > 1100 && imu == columns && tagged > 1100, "{imu} {columns} {tagged}");
+}
+
+#[test]
+fn a_cut_recording_keeps_what_was_flushed() {
+    let disk = Disk::default();
+    let (given, flushed, outcome) = record(disk.clone());
+    outcome.unwrap();
+    let file = disk.bytes.lock().unwrap().clone();
+    for k in 0..300 {
+        let cut = (k * 7919 + 13) % file.len();
+        let Ok(raw) = raw_of(&file[..cut]) else {
+            assert!(cut < 64, "only a file without a beginning is none: {cut}");
+            continue;
+        };
+        let kept =
+            flushed.iter().filter(|(size, _)| *size <= cut).map(|(_, given)| *given).max().unwrap_or(0);
+        assert!(raw.len() >= kept, "cut at {cut}: {} of {kept}", raw.len());
+        assert_eq!(raw, given[..raw.len()]);
+    }
+}
+
+#[test]
+fn a_full_disk_is_said_and_loses_nothing_earlier() {
+    let disk = Disk { room: Some(300_000), ..Disk::default() };
+    let (given, flushed, outcome) = record(disk.clone());
+    assert_eq!(outcome.unwrap_err().kind(), io::ErrorKind::StorageFull);
+    let file = disk.bytes.lock().unwrap().clone();
+    let raw = raw_of(&file).unwrap();
+    let kept = flushed.last().unwrap().1;
+    assert!(kept > 10_000 && raw.len() >= kept);
+    assert_eq!(raw, given[..raw.len()]);
+}
+
+#[test]
+fn what_is_no_recording_is_an_error() {
+    assert!(read::raw(b"time_s,acc_x\n0,1\n", |_, _, _| {}).is_err());
+    assert!(read::raw(b"", |_, _, _| {}).is_err());
+}
