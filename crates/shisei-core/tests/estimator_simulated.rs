@@ -49,6 +49,13 @@ fn run_of(seed: u64, rate_hz: f64, move_s: f64, jitter: f64, lost: f64) -> Run {
     Run { samples, truth, simulation }
 }
 
+/// The truth in a world whose yaw is that of the state of row k.
+fn aligned(truth: &[Quaternion], states: &[State], k: usize) -> Vec<Quaternion> {
+    let d = states[k].world_from_body.product(truth[k].conjugate());
+    let turn = Quaternion::new(d.w, 0.0, 0.0, d.z).normalized();
+    truth.iter().map(|&q| turn.product(q)).collect()
+}
+
 fn online(samples: &[Sample], settings: &Settings) -> Vec<State> {
     let mut estimator = Estimator::new(settings).unwrap();
     samples.iter().map(|sample| estimator.update(sample)).collect()
@@ -87,47 +94,70 @@ fn tilt_rms(states: &[State], truth: &[Quaternion], ahead_s: f64) -> f64 {
     (squares.iter().sum::<f64>() / squares.len() as f64).sqrt().to_degrees()
 }
 
+/// Normalised squared errors of tilt (two degrees of freedom) and heading (one), mean over the moving part, and the
+/// share of the samples within the 95 % bound of tilt.
+fn consistency(states: &[State], truth: &[Quaternion], from: usize, ahead_s: f64) -> (f64, f64, f64) {
+    let aligned = aligned(truth, states, from / 2);
+    let (mut tilt, mut heading, mut within) = (0.0, 0.0, 0.0);
+    for (state, &truth) in states.iter().zip(&aligned).skip(from) {
+        let e = error(state, truth, ahead_s);
+        let c = &state.covariance_rad2;
+        let det = c[0][0] * c[1][1] - c[0][1] * c[1][0];
+        let square = (e[0] * e[0] * c[1][1] - 2.0 * e[0] * e[1] * c[0][1] + e[1] * e[1] * c[0][0]) / det;
+        tilt += square;
+        heading += e[2] * e[2] / c[2][2];
+        // 95 % of χ² with two degrees of freedom: −2 ln 0.05
+        within += f64::from(square <= 5.991);
+    }
+    let n = (states.len() - from) as f64;
+    (tilt / n, heading / n, within / n)
+}
+
+const RUNS: u64 = 12;
+
 #[test]
-#[ignore = "prints figures"]
-fn figures() {
+fn stated_uncertainty_holds() {
+    let (mut on, mut off) = ([0.0; 3], [0.0; 3]);
+    for seed in 0..RUNS {
+        let run = run_of(seed, 100.0, 60.0, 0.0, 0.0);
+        let settings = Settings::default();
+        for (sums, states) in
+            [(&mut on, online(&run.samples, &settings)), (&mut off, offline(&run.samples, &settings))]
+        {
+            let (tilt, heading, within) = consistency(&states, &run.truth, 300, 0.005);
+            *sums = [sums[0] + tilt, sums[1] + heading, sums[2] + within];
+        }
+    }
+    for (name, sums) in [("online", on), ("smoother", off)] {
+        let [tilt, heading, within] = sums.map(|sum| sum / RUNS as f64);
+        println!("{name}: tilt {tilt:.2} of 2, heading {heading:.2} of 1, within the 95 % bound {within:.3}");
+        // On the safe side, but not by far: the mean of RUNS independent χ²/RUNS would be 1.1 to 3.2 and 0.4 to 1.9.
+        assert!((0.4..3.2).contains(&tilt) && heading < 1.9 && within >= 0.95, "{name}");
+    }
+}
+
+#[test]
+fn rates_jitter_and_lost_samples_cost_little() {
     for rate in [50.0, 100.0, 286.0, 1000.0] {
-        let mut sums = [0.0; 8];
-        for seed in 0..10 {
+        let mut sums = [0.0; 4];
+        for seed in 0..6 {
             for (k, (jitter, lost)) in [(0.0, 0.0), (0.2, 0.05)].into_iter().enumerate() {
-                let run = run_of(seed, rate, 60.0, jitter, lost);
-                let mut settings = Settings::default();
-                if let Ok(v) = std::env::var("BA") {
-                    let v: f64 = v.parse().unwrap();
-                    settings.quick.acc_bias_start = v;
-                    settings.calm.acc_bias_start = v;
-                    settings.quick.acc_scale_start = v / 10.0;
-                    settings.calm.acc_scale_start = v / 10.0;
-                    settings.quick.gyro_matrix_start = 0.02;
-                    settings.calm.gyro_matrix_start = 0.02;
-                    settings.quick.gyro_bias_start = 0.05;
-                    settings.calm.gyro_bias_start = 0.05;
-                    settings.level_sigma_rad = v / 9.8;
-                }
-                let ahead = 0.5 / rate;
-                let on = online(&run.samples, &settings);
-                let off = offline(&run.samples, &settings);
+                let run = run_of(seed, rate, 40.0, jitter, lost);
+                let settings = Settings::default();
                 let skip = (REST_S * rate) as usize;
-                sums[k] += tilt_rms(&on[skip..], &run.truth[skip..], ahead);
-                sums[2 + k] += tilt_rms(&off[skip..], &run.truth[skip..], ahead);
-                for (place, states) in [(4 + k, &on), (6 + k, &off)] {
-                    let mut nees = 0.0;
-                    for (state, &truth) in states.iter().zip(&run.truth).skip(skip) {
-                        let e = error(state, truth, ahead);
-                        let c = &state.covariance_rad2;
-                        let det = c[0][0] * c[1][1] - c[0][1] * c[1][0];
-                        nees += (e[0] * e[0] * c[1][1] - 2.0 * e[0] * e[1] * c[0][1] + e[1] * e[1] * c[0][0])
-                            / det;
-                    }
-                    sums[place] += nees / (states.len() - skip) as f64;
+                for (place, states) in
+                    [(k, online(&run.samples, &settings)), (2 + k, offline(&run.samples, &settings))]
+                {
+                    sums[place] += tilt_rms(&states[skip..], &run.truth[skip..], 0.5 / rate) / 6.0;
                 }
             }
         }
-        println!("{rate} Hz: {:.3?}", sums.map(|sum| sum / 10.0));
+        let [clean, rough, smooth_clean, smooth_rough] = sums;
+        println!(
+            "{rate} Hz: online {clean:.3}° → {rough:.3}°, smoother {smooth_clean:.3}° → {smooth_rough:.3}°"
+        );
+        assert!(rough <= 1.15 * clean && smooth_rough <= 1.15 * smooth_clean, "{rate} Hz: {sums:?}");
+        assert!(clean < 0.6 && smooth_clean < 0.4, "{rate} Hz: {sums:?}");
     }
 }
 
@@ -218,12 +248,116 @@ fn garbage_never_makes_nan_and_is_recovered_from() {
                 assert!(states.iter().all(all_finite), "{name}, kind {kind}");
                 let after = to + (10.0 * rate) as usize;
                 let rms = tilt_rms(&states[after..], &run.truth[after..], 0.5 / rate);
-                if std::env::var("SHOW").is_ok() {
-                    println!("{name} kind {kind} {garbage_s} s: {rms:.2}");
-                } else {
-                    assert!(rms < limit, "{name}, kind {kind}, {garbage_s} s: {rms}°");
-                }
+                assert!(rms < limit, "{name}, kind {kind}, {garbage_s} s: {rms}°");
             }
         }
+    }
+}
+
+/// After a gap the tilt is found anew, the heading is kept, and its stated uncertainty has grown with the gap.
+#[test]
+fn a_gap_grows_the_uncertainty_of_the_heading() {
+    for (gap_s, at_least) in [(0.6, 0.2), (2.0, 0.8), (5.0, 2.0)] {
+        let mut run = run_of(3, 100.0, 40.0, 0.0, 0.0);
+        let cut = 2000..2000 + (gap_s * 100.0) as usize;
+        run.samples.drain(cut.clone());
+        run.truth.drain(cut);
+        run.samples[2000].dt_s = gap_s + 0.01;
+        for states in
+            [online(&run.samples, &Settings::default()), offline(&run.samples, &Settings::default())]
+        {
+            let (before, after) = (states[1990].sigma_heading_rad, states[2100].sigma_heading_rad);
+            assert!(before < 0.1, "{before}");
+            assert!(after > at_least && after < 3.2, "gap {gap_s} s: {before} to {after}");
+            let rms = tilt_rms(&states[3000..], &run.truth[3000..], 0.005);
+            assert!(rms < 1.0, "{rms}");
+        }
+    }
+}
+
+/// Starts in the middle of the movement: no rest to level or to learn from.
+#[test]
+fn starts_in_motion() {
+    for seed in 0..6 {
+        let run = run_of(seed, 100.0, 60.0, 0.0, 0.0);
+        let (samples, truth) = (&run.samples[1000..6000], &run.truth[1000..6000]);
+        for states in [online(samples, &Settings::default()), offline(samples, &Settings::default())] {
+            let rms = tilt_rms(&states[1500..], &truth[1500..], 0.005);
+            assert!(rms < 1.0, "seed {seed}: {rms}");
+        }
+    }
+}
+
+/// What was learnt in one recording makes the next one better, and survives being stored.
+#[test]
+fn a_stored_calibration_helps() {
+    let (mut without, mut with) = (0.0, 0.0);
+    for seed in 0..6 {
+        let first = run_of(seed, 100.0, 60.0, 0.0, 0.0);
+        let mut estimator = Estimator::new(&Settings::default()).unwrap();
+        for sample in &first.samples {
+            estimator.update(sample);
+        }
+        let learnt = estimator.calibration();
+        assert_eq!(learnt.check(), Ok(()));
+        // the same sensor, another movement: the simulated errors depend on the seed, the readings on the truth
+        let errors = simulate::Errors::Given(first.simulation.calibration);
+        let settings = simulate::Settings { errors, ..simulate::Settings::new(100.0, seed + 100) };
+        let simulation = simulate(&wander(seed + 50, REST_S, 40.0), &sensor(), &settings);
+        let samples: Vec<Sample> = simulation
+            .samples
+            .iter()
+            .map(|s| Sample { gyro_rad_s: s.gyro_rad_s, acc_m_s2: s.acc_m_s2, dt_s: 0.01 })
+            .collect();
+        let truth: Vec<Quaternion> = simulation.truth.iter().map(|t| t.world_from_body).collect();
+        let known = Settings { calibration: Some(learnt), ..Settings::default() };
+        without += tilt_rms(&online(&samples, &Settings::default())[300..], &truth[300..], 0.005);
+        with += tilt_rms(&online(&samples, &known)[300..], &truth[300..], 0.005);
+    }
+    println!("tilt without {:.3}°, with a stored calibration {:.3}°", without / 6.0, with / 6.0);
+    assert!(with < 0.9 * without, "{without} {with}");
+    let broken =
+        Calibration::with_sigmas(([0.0; 3], [[2.0; 3]; 3]), ([0.0; 3], [[1.0; 3]; 3]), 1.0, 1.0, 1.0, 1.0);
+    assert!(Estimator::new(&Settings { calibration: Some(broken), ..Settings::default() }).is_err());
+}
+
+/// Optical gaps of 1 and 5 s, after 20 s in which the sensor was learnt: it carries attitude and position across.
+#[test]
+fn optical_gaps_are_bridged() {
+    for (gap_s, limit_deg, limit_m) in [(1.0, 0.4, 0.01), (5.0, 0.5, 0.1)] {
+        let run = run_of(7, 100.0, 60.0, 0.0, 0.0);
+        let mut random = Random::new(7, 9);
+        let poses: Vec<Option<OpticalPose>> = (0..run.samples.len())
+            .map(|k| {
+                let truth = &run.simulation.truth[k];
+                let jitter = Quaternion::from_rotation_vector(random.normal3(0.003));
+                let noise = random.normal3(0.001);
+                // The optical attitude of the readings' convention: half a step ahead.
+                let ahead = run.samples[k].gyro_rad_s.map(|rate| rate * 0.005);
+                let q = truth.world_from_body.product(Quaternion::from_rotation_vector(ahead));
+                let position = truth.position_m;
+                let pose = OpticalPose {
+                    world_from_body: jitter.product(q),
+                    position_m: [position[0] + noise[0], position[1] + noise[1], position[2] + noise[2]],
+                };
+                let hidden = (k as f64 * 0.01) % (gap_s + 3.0) >= 3.0;
+                (!hidden).then_some(pose)
+            })
+            .collect();
+        let (acc, gyro, dt) = columns(&run.samples);
+        let (optics, settings) = (BridgeSettings::default(), Settings::default());
+        let (rows, _) = bridge(&acc, &gyro, Dt::PerSample(&dt), &poses, &optics, &settings).unwrap();
+        let (mut angle, mut place, mut count) = (0.0, 0.0, 0.0);
+        for (k, row) in rows.iter().enumerate().skip(2000).filter(|(k, _)| poses[*k].is_none()) {
+            let e = error(&row.state, run.truth[k], 0.005);
+            let p = run.simulation.truth[k].position_m;
+            let off = [0, 1, 2].map(|j| row.position_m[j] - p[j]);
+            angle += e.iter().map(|x| x * x).sum::<f64>();
+            place += off.iter().map(|x| x * x).sum::<f64>();
+            count += 1.0;
+        }
+        let (angle, place) = ((angle / count).sqrt().to_degrees(), (place / count).sqrt());
+        println!("gaps of {gap_s} s: {angle:.3}°, {:.1} mm", 1000.0 * place);
+        assert!(angle < limit_deg && place < limit_m);
     }
 }

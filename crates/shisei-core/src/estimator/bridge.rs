@@ -92,7 +92,9 @@ pub fn bridge(
     let rest = rests(acc_m_s2, gyro_rad_s, dt, settings);
     let recording =
         Recording { acc: acc_m_s2, gyro: gyro_rad_s, dt, rest: &rest, poses: &poses, noise, bounds: &bounds };
-    let runner = Runner::<STATES_WITH_LEVER, 1>::new(settings, [&settings.bridge], optics.lever_m);
+    let settings =
+        Settings { update_s: settings.update_s.min(UPDATE_S), heading_sigma_share: 1.0, ..*settings };
+    let runner = Runner::<STATES_WITH_LEVER, 1>::new(&settings, [&settings.bridge], optics.lever_m);
     let (details, calibration) = run(&recording, runner, CHUNK);
     let bridged = details.into_iter().map(|detail| Bridged {
         state: detail.state,
@@ -102,6 +104,9 @@ pub fn bridge(
     });
     Ok((bridged.collect(), calibration))
 }
+
+/// Longest time between updates, s: each takes one pose.
+const UPDATE_S: f64 = 0.035;
 
 /// Gaps from this length on have their motion bounded, and fully from the second, s.
 const BOUND_FROM_S: f64 = 10.0;

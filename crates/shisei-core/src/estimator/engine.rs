@@ -146,11 +146,11 @@ impl<const N: usize> Engine<N> {
         }
     }
 
-    /// Starts level anew, as after a gap; what was learnt of the sensor stays. The attitude's heading gets the
-    /// standard deviation `sigma_more`, rad, on top of what it had.
-    pub(super) fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64, sigma_more: f64) {
-        let heading = self.covariance.0[PHI + 2][PHI + 2] + sigma_more * sigma_more;
-        self.covariance.restart_moving(moving_sigmas(sigma_tilt, crate::math::sqrt(heading)));
+    /// Starts level anew, as after a gap; what was learnt of the sensor stays, and so does the heading's variance:
+    /// what a gap adds to it is no concern of the filter, to which all headings are alike, and is kept beside it.
+    pub(super) fn restart(&mut self, world_from_body: Quaternion, sigma_tilt: f64) {
+        let heading = crate::math::sqrt(self.covariance.0[PHI + 2][PHI + 2].max(0.0));
+        self.covariance.restart_moving(moving_sigmas(sigma_tilt, heading));
         self.nominal.world_from_body = world_from_body;
         self.nominal.velocity = [0.0; 3];
         self.nominal.position = [0.0; 3];

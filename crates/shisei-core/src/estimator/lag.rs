@@ -10,7 +10,7 @@ use alloc::vec::Vec;
 use super::backward::Adjoint;
 use super::guard::Sample;
 use super::model::STATES;
-use super::online::{State, check, compose, tilt_and_heading};
+use super::online::{State, check, compose, stated};
 use super::runner::{Runner, heading_between};
 use super::segments::{Forward, Kind, Segment};
 use super::settings::Settings;
@@ -115,7 +115,7 @@ impl FixedLag {
             let turn = vector::add(vector::scale(start_turn, 1.0 - share), vector::scale(end_turn, share));
             let q = exp_half(vector::scale(turn, 0.5)).product(quick);
             let q = heading_between(state.world_from_body, q).product(q).normalized();
-            let covariance = tilt_and_heading(tilt, settings, state.covariance_rad2[2][2]);
+            let covariance = stated(tilt, settings.quick_sigma_share, state.covariance_rad2[2][2]);
             out.push(State::new(q, state.rate_rad_s, state.gyro_bias_rad_s, covariance, state.rest));
         }
         self.before = Some(segment);

@@ -22,15 +22,13 @@ pub(super) struct Leveller {
     squares: f64,
     count: f64,
     pub time_s: f64,
-    /// What the heading may have changed by in the gap, rad.
-    pub heading_more: f64,
 }
 
 impl Leveller {
     /// From an attitude whose heading is to be kept, or from none.
-    pub(super) fn new(from: Option<Quaternion>, heading_more: f64) -> Self {
+    pub(super) fn new(from: Option<Quaternion>) -> Self {
         let (first, carried) = (from.is_none(), from.unwrap_or(Quaternion::IDENTITY));
-        Leveller { carried, first, sum: [0.0; 3], squares: 0.0, count: 0.0, time_s: 0.0, heading_more }
+        Leveller { carried, first, sum: [0.0; 3], squares: 0.0, count: 0.0, time_s: 0.0 }
     }
 
     /// Takes a reading; `rate` is its corrected rate, rad/s, `force` its corrected acceleration. The first

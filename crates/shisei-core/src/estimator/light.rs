@@ -35,6 +35,8 @@ const SPEED_FLOOR: f64 = 0.05;
 /// A bias this far from where it started is that of a filter gone astray, rad/s.
 const BIAS_LIMIT: f64 = 0.5;
 const SPEED_LIMIT: f64 = 100.0;
+/// The most that gaps add to the variance of the heading, rad².
+const LARGEST_HEADING: f64 = core::f64::consts::PI * core::f64::consts::PI;
 
 /// The small streaming estimator.
 #[derive(Clone, Copy, Debug)]
@@ -50,6 +52,8 @@ pub struct LightEstimator {
     covariance: Covariance<LIGHT>,
     speed_squared: f64,
     watch: Watch,
+    /// Variance that gaps have added to the heading, rad².
+    heading_lost: f64,
     sums: Sums,
     last: Option<Reading>,
     state: State,
@@ -87,6 +91,7 @@ impl LightEstimator {
             covariance,
             speed_squared: 0.0,
             watch: Watch::new(settings.gravity_m_s2),
+            heading_lost: 0.0,
             sums: Sums::default(),
             last: None,
             state,
@@ -106,8 +111,9 @@ impl LightEstimator {
         let rest = self.finder.update(&self.settings.rest, &reading);
         let rate = vector::sub(reading.gyro, self.bias);
         if gap_s.is_some() || (!self.started && self.level.is_none()) {
-            let more = (gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s).min(core::f64::consts::PI);
-            self.level = Some(Leveller::new(self.started.then_some(self.q), more));
+            let turned = gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s;
+            self.heading_lost = (self.heading_lost + turned * turned).min(LARGEST_HEADING);
+            self.level = Some(Leveller::new(self.started.then_some(self.q)));
         }
         if let Some(level) = &mut self.level {
             level.add(&reading, rate, reading.acc);
@@ -123,14 +129,14 @@ impl LightEstimator {
             }
         }
         let p = &self.covariance.0;
+        let heading = p[2][2] + self.heading_lost;
         let covariance = match &self.level {
             Some(level) => {
                 let sigma = level.sigma(self.settings.level_sigma_rad, self.settings.gravity_m_s2);
                 let tilt = 0.5 * sigma * sigma;
-                let heading = p[2][2] + level.heading_more * level.heading_more;
                 [[tilt, 0.0, 0.0], [0.0, tilt, 0.0], [0.0, 0.0, heading]]
             }
-            None => [[p[0][0], p[0][1], 0.0], [p[1][0], p[1][1], 0.0], [0.0, 0.0, p[2][2]]],
+            None => [[p[0][0], p[0][1], 0.0], [p[1][0], p[1][1], 0.0], [0.0, 0.0, heading]],
         };
         self.state = State::new(self.q, rate, self.bias, covariance, rest);
         self.state
@@ -138,7 +144,7 @@ impl LightEstimator {
 
     fn start(&mut self, level: &Leveller) {
         let sigma = level.sigma(self.settings.level_sigma_rad, self.settings.gravity_m_s2);
-        let heading = self.covariance.0[2][2] + level.heading_more * level.heading_more;
+        let heading = self.covariance.0[2][2];
         let keep = [self.covariance.0[6], self.covariance.0[7], self.covariance.0[8]];
         self.covariance = Covariance::zero();
         for j in 0..3 {
@@ -245,7 +251,8 @@ impl LightEstimator {
             self.covariance = Covariance::zero();
             self.covariance.set_diagonal(BIAS, 3, quick.gyro_bias_start);
             self.bias = [0.0; 3];
-            self.level = Some(Leveller::new(Some(q), 1.0));
+            self.heading_lost = (self.heading_lost + 1.0).min(LARGEST_HEADING);
+            self.level = Some(Leveller::new(Some(q)));
         }
     }
 

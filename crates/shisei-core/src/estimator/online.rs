@@ -109,14 +109,17 @@ pub(super) fn compose(runner: &Runner<STATES, 2>, sample: &Sample, rate_before: 
     let [quick, calm] = &runner.engines;
     let settings = &runner.settings;
     let turn = heading_between(calm.nominal.world_from_body, quick.nominal.world_from_body);
-    let heading = calm.covariance.0[2][2];
+    let heading = calm.covariance.0[2][2] * settings.heading_sigma_share * settings.heading_sigma_share
+        + runner.heading_lost;
     let (q, covariance) = if let Some(level) = &runner.level {
         let sigma = level.sigma(settings.level_sigma_rad, settings.gravity_m_s2);
         let tilt = 0.5 * sigma * sigma;
-        let heading = heading + level.heading_more * level.heading_more;
         (level.attitude(), [[tilt, 0.0, 0.0], [0.0, tilt, 0.0], [0.0, 0.0, heading]])
     } else {
-        (quick.nominal.world_from_body, tilt_and_heading(quick.attitude_covariance(), settings, heading))
+        (
+            quick.nominal.world_from_body,
+            stated(quick.attitude_covariance(), settings.quick_sigma_share, heading),
+        )
     };
     let readable = sample.gyro_rad_s.iter().all(|x| x.abs() <= settings.gyro_limit_rad_s);
     let gyro = match &settings.calibration {
@@ -127,12 +130,12 @@ pub(super) fn compose(runner: &Runner<STATES, 2>, sample: &Sample, rate_before: 
     State::new(turn.product(q).normalized(), rate, calm.nominal.gyro_bias, covariance, runner.at_rest)
 }
 
-/// The stated covariance: a share of the quick filter's tilt, and the calm one's heading.
-pub(super) fn tilt_and_heading(quick: [Vec3; 3], settings: &Settings, heading: f64) -> [Vec3; 3] {
-    let share = settings.quick_sigma_share * settings.quick_sigma_share;
+/// The stated covariance: a share of a filter's tilt, and the heading's variance.
+pub(super) fn stated(filter: [Vec3; 3], share: f64, heading: f64) -> [Vec3; 3] {
+    let share = share * share;
     [
-        [quick[0][0] * share, quick[0][1] * share, 0.0],
-        [quick[1][0] * share, quick[1][1] * share, 0.0],
+        [filter[0][0] * share, filter[0][1] * share, 0.0],
+        [filter[1][0] * share, filter[1][1] * share, 0.0],
         [0.0, 0.0, heading],
     ]
 }

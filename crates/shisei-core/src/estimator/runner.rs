@@ -33,8 +33,9 @@ pub(super) enum Event {
 
 /// An accelerometer that at rest is off gravity by more than this, m/s², was not calibrated.
 const UNCALIBRATED: f64 = 0.15;
-/// What the heading may have turned by when the filters are given up, rad.
+/// What giving up adds to the variance of the heading, rad², and the most it can be.
 const GIVEN_UP_HEADING: f64 = 1.0;
+const LARGEST_HEADING: f64 = core::f64::consts::PI * core::f64::consts::PI;
 
 /// E filters of N error states on the same samples.
 #[derive(Clone, Copy, Debug)]
@@ -50,8 +51,9 @@ pub(super) struct Runner<const N: usize, const E: usize> {
     guard: Guard,
     rest: RestFinder,
     started: bool,
-    /// What the heading may have turned by since the filters were given up, rad.
-    given_up: Option<f64>,
+    given_up: bool,
+    /// Variance that gaps have added to the heading, rad².
+    pub heading_lost: f64,
     watch: Watch,
     lever_m: f64,
 }
@@ -69,7 +71,8 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             guard: Guard::default(),
             rest: RestFinder::default(),
             started: false,
-            given_up: None,
+            given_up: false,
+            heading_lost: 0.0,
             watch: Watch::new(settings.gravity_m_s2),
             lever_m,
         }
@@ -102,14 +105,13 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         let limits = self.settings.rest;
         let found = self.rest.update(&limits, &reading);
         self.at_rest = rest.unwrap_or(found);
-        let begins = gap_s.is_some() || self.given_up.is_some() || (self.level.is_none() && !self.started);
+        let begins = gap_s.is_some() || self.given_up || (self.level.is_none() && !self.started);
         if begins {
-            let turned = gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s + self.given_up.unwrap_or(0.0);
-            let more = self.level.map_or(0.0, |level| level.heading_more);
-            let more = math::sqrt(turned * turned + more * more).min(core::f64::consts::PI);
+            let turned = gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s;
+            self.heading_lost = (self.heading_lost + turned * turned).min(LARGEST_HEADING);
             let from = self.started.then(|| self.engines[0].nominal.world_from_body);
-            self.level = Some(Leveller::new(from, more));
-            self.given_up = None;
+            self.level = Some(Leveller::new(from));
+            self.given_up = false;
         }
         if let Some(level) = &mut self.level {
             let nominal = &self.engines[0].nominal;
@@ -146,7 +148,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             if let Some(pose) = pose {
                 q = pose.world_from_body;
             }
-            engine.restart(q, sigma, level.heading_more);
+            engine.restart(q, sigma);
             if off > UNCALIBRATED {
                 engine.doubt_accelerometer(1.5 * off);
             }
@@ -177,13 +179,10 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             let q = engine.nominal.world_from_body;
             let mut fresh = Self::fresh(&self.settings, &engine.model, self.lever_m);
             fresh.nominal = Nominal::new(if q.is_finite() { q } else { Quaternion::IDENTITY });
-            fresh.covariance.0[2][2] = engine.covariance.0[2][2].clamp(0.0, 4.0);
-            if !fresh.covariance.0[2][2].is_finite() {
-                fresh.covariance.0[2][2] = 4.0;
-            }
             *engine = fresh;
         }
-        self.given_up = Some(GIVEN_UP_HEADING);
+        self.given_up = true;
+        self.heading_lost = (self.heading_lost + GIVEN_UP_HEADING).min(LARGEST_HEADING);
         Event::GivenUp
     }
 }

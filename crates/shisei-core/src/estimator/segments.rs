@@ -35,6 +35,8 @@ pub(super) struct Segment<const N: usize> {
     pub nominal: Nominal,
     pub covariance: Covariance<N>,
     pub step: Step<N>,
+    /// Variance that gaps have added to the heading, rad².
+    pub heading_lost: f64,
 }
 
 /// The recording.
@@ -102,6 +104,7 @@ impl<const N: usize, const E: usize> Forward<N, E> {
             Some(level) => Nominal { world_from_body: level.carried, ..runner.engines[0].nominal },
             None => runner.engines[0].nominal,
         };
+        let lost_before = self.runner.heading_lost;
         match self.runner.take(sample, rest, pose, Some(&mut self.step)) {
             Event::Useless | Event::Levelling => (carried(&self.runner), None),
             Event::LevelBegins => {
@@ -111,6 +114,7 @@ impl<const N: usize, const E: usize> Forward<N, E> {
                 }
                 let samples = self.start..k;
                 self.start = k;
+                let heading_lost = lost_before;
                 let Engine { nominal, covariance, .. } = self.runner.engines[0];
                 (
                     q,
@@ -121,6 +125,7 @@ impl<const N: usize, const E: usize> Forward<N, E> {
                         nominal,
                         covariance,
                         step: self.step,
+                        heading_lost,
                     }),
                 )
             }
@@ -179,6 +184,7 @@ impl<const N: usize, const E: usize> Forward<N, E> {
             nominal: engine.nominal,
             covariance: engine.covariance,
             step: self.step,
+            heading_lost: self.runner.heading_lost,
         }
     }
 }

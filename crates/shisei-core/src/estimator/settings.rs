@@ -88,9 +88,14 @@ pub struct Settings {
     pub gyro_limit_rad_s: f64,
     /// Accelerations beyond this are no readings, m/s². Default 2000.
     pub acc_limit_m_s2: f64,
-    /// Standard deviations stated of the quick filter's tilt, as a share of its own: its noise is larger than
-    /// the truth on purpose. Default from recordings; see docs/en/estimator.md.
+    /// What is stated of the quick filter's tilt, as a share of its own standard deviation: a filter that is told of
+    /// more noise than there is, so as to follow, doubts itself more than it must. Default 0.35; large values state
+    /// more uncertainty. This and the next two are from recordings; docs/en/estimator.md has the coverage.
     pub quick_sigma_share: f64,
+    /// The same of the smoother's tilt. Default 0.75.
+    pub smooth_sigma_share: f64,
+    /// The same of the calm filter's heading, live and smoothed. Default 0.3.
+    pub heading_sigma_share: f64,
     /// What is known of the sensor: applied before the filter, with its covariance in place of the start values.
     pub calibration: Option<Calibration>,
 }
@@ -110,7 +115,9 @@ impl Default for Settings {
             gap_rate_rad_s: 0.5,
             gyro_limit_rad_s: 100.0,
             acc_limit_m_s2: 2000.0,
-            quick_sigma_share: 0.5,
+            quick_sigma_share: 0.35,
+            smooth_sigma_share: 0.75,
+            heading_sigma_share: 0.3,
             calibration: None,
         }
     }

@@ -13,7 +13,7 @@ use super::engine::OpticalNoise;
 use super::guard::{Checked, Guard};
 use super::lag::back;
 use super::model::{Nominal, POS, STATES, VEL};
-use super::online::{State, check};
+use super::online::{State, check, stated};
 use super::rest::RestFinder;
 use super::runner::Runner;
 use super::segments::{Forward, Kind, Recording, Segment};
@@ -195,6 +195,14 @@ fn finish<const N: usize>(
     start: Option<&[f64; N]>,
 ) {
     let Pending { segment, smoothed, error, covariance, sigma_position } = pending;
+    // where poses are seen all noise is what it is said to be
+    let covariance = if N > STATES {
+        *covariance
+    } else {
+        let share = settings.heading_sigma_share;
+        let heading = covariance[2][2] * share * share + segment.heading_lost;
+        stated(*covariance, settings.smooth_sigma_share, heading)
+    };
     let end_turn = match segment.kind {
         Kind::Tail => [error[0], error[1], error[2]],
         _ => {
@@ -229,7 +237,7 @@ fn finish<const N: usize>(
             (Some(calibration), true) => smoothed.rate(calibration.correct_gyro(raw)),
             (None, true) => smoothed.rate(raw),
         };
-        out[k].state = State::new(q, rate, smoothed.gyro_bias, *covariance, recording.rest[k]);
+        out[k].state = State::new(q, rate, smoothed.gyro_bias, covariance, recording.rest[k]);
         let between = |a: Vec3, b: Vec3| vector::add(vector::scale(a, 1.0 - share), vector::scale(b, share));
         let own = vector::add(out[k].position, between(start_place, end_place));
         out[k].position = vector::add(own, q.rotate(smoothed.lever));
