@@ -145,15 +145,6 @@ impl Session {
         let mut deframer = std::mem::take(&mut self.deframer);
         for &byte in bytes {
             let Some(frame) = deframer.push(byte) else { continue };
-            match frame.and_then(Message::decode) {
-                Ok(message) => {
-                    self.counts.frames += 1;
-                    self.message(&message, items);
-                }
-                Err(_) => {
-                    self.counts.garbage += 1;
-                    items.push(Item::Garbage);
-                }
             if let Ok(message) = frame.and_then(Message::decode) {
                 self.counts.frames += 1;
                 self.message(&message, items);
