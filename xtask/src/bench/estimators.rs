@@ -1,5 +1,6 @@
 //! Our estimators, by the name they have in the table. To add one: a line in `OURS`.
 
+use shisei_core::estimator::{self, FixedLag, LightEstimator, Sample, Settings, State};
 use shisei_core::filter::{
     AdaptiveGain, Complementary, DEFAULT_ALPHA, Dt, Filter, GyroIntegrator, Mahony, MahonyAdaptive, run,
 };
@@ -24,7 +25,49 @@ pub const OURS: &[Estimator] = &[
     Estimator { name: "mahony kp 0.2", run: |t| mahony(t, 0.2), expected_deg: Some(3.03) },
     Estimator { name: "mahony adaptive", run: adaptive, expected_deg: Some(8.96) },
     Estimator { name: "complementary", run: complementary, expected_deg: Some(19.7) },
+    Estimator { name: "shisei-light", run: light, expected_deg: None },
+    Estimator { name: "shisei-online", run: |t| online(t).map(attitudes), expected_deg: None },
+    Estimator { name: "shisei lag 1 s", run: |t| lagged(t, 1.0).map(attitudes), expected_deg: None },
+    Estimator { name: "shisei", run: |t| smoothed(t).map(attitudes), expected_deg: None },
 ];
+
+fn attitudes(states: Vec<State>) -> Vec<Quaternion> {
+    states.into_iter().map(|state| state.world_from_body).collect()
+}
+
+fn samples(trial: &Trial) -> impl Iterator<Item = Sample> + '_ {
+    let dt_s = trial.dt_s;
+    let rows = trial.gyro_rad_s.iter().zip(&trial.acc_m_s2);
+    rows.map(move |(&gyro_rad_s, &acc_m_s2)| Sample { gyro_rad_s, acc_m_s2, dt_s })
+}
+
+fn light(trial: &Trial) -> Result<Vec<Quaternion>> {
+    let mut estimator = LightEstimator::new(&Settings::default())?;
+    Ok(samples(trial).map(|sample| estimator.update(&sample).world_from_body).collect())
+}
+
+/// The estimator as it runs live.
+pub fn online(trial: &Trial) -> Result<Vec<State>> {
+    let mut estimator = estimator::Estimator::new(&Settings::default())?;
+    Ok(samples(trial).map(|sample| estimator.update(&sample)).collect())
+}
+
+fn lagged(trial: &Trial, lag_s: f64) -> Result<Vec<State>> {
+    let mut estimator = FixedLag::new(&Settings::default(), lag_s)?;
+    let mut states = Vec::with_capacity(trial.gyro_rad_s.len());
+    for sample in samples(trial) {
+        estimator.update(&sample, &mut states);
+    }
+    estimator.finish(&mut states);
+    Ok(states)
+}
+
+/// The smoother.
+pub fn smoothed(trial: &Trial) -> Result<Vec<State>> {
+    let dt = Dt::Constant(trial.dt_s);
+    let found = estimator::smooth(&trial.acc_m_s2, &trial.gyro_rad_s, dt, &Settings::default())?;
+    Ok(found.states)
+}
 
 fn mahony(trial: &Trial, kp: f64) -> Result<Vec<Quaternion>> {
     classic(trial, &trial.gyro_rad_s, |start| Mahony::new(start, kp, 0.0))
