@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod doors;
+pub mod bridge;
 mod estimators;
 mod metrics;
 mod trial;
