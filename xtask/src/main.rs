@@ -12,6 +12,7 @@ cargo xtask tidy                         rules that no compiler holds us to
 cargo xtask bench accuracy               orientation errors on BROAD, ours and our peers' [--install] [--no-peers]
 cargo xtask bench doors                  what Calc, Python and the XLL cost beside the mathematics
 cargo xtask dist [--install]             everything users install, into dist/, with checksums
+cargo xtask bench bridge [TRIAL …]       errors in optical gaps on BROAD: lines, gyroscope, ours
 cargo xtask soak [MINUTES] [TARGET …]    fuzzes every importer for longer (10 min each)
 ";
 
@@ -24,6 +25,7 @@ fn main() -> ExitCode {
         Some((&"bench", ["accuracy", rest @ ..])) => finish(bench::accuracy::command(&project, rest)),
         Some((&"bench", ["doors", rest @ ..])) => finish(bench::doors::command(&project, rest)),
         Some((&"dist", rest)) => finish(dist::command(&project, rest)),
+        Some((&"bench", ["bridge", rest @ ..])) => finish(bench::bridge::command(&project, rest)),
         Some((&"soak", rest)) => finish(fuzz::soak(&project, rest)),
         Some((&"tidy", [])) => report_tidy(&project),
         Some((&("help" | "--help" | "-h"), _)) => {

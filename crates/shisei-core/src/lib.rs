@@ -25,6 +25,8 @@ pub mod estimator;
 pub mod euler;
 pub mod filter;
 pub mod frames;
+#[cfg(feature = "alloc")]
+pub mod fuse;
 pub mod heading;
 pub mod initial;
 pub mod least_squares;

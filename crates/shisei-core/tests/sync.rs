@@ -177,8 +177,9 @@ fn the_lever_arm_and_up_are_found() {
             .collect();
         let sensor_s: Vec<f64> =
             simulation.time_s().iter().map(|time| (time - cameras.offset_s) / (1.0 + cameras.skew)).collect();
-        let found = lever_arm(&optical_s, &poses, &sensor_s, &simulation.acc_m_s2(), rig.body_from_sensor)
-            .expect("enough");
+        let found =
+            lever_arm(&optical_s, &poses, &sensor_s, &simulation.acc_m_s2(), rig.body_from_sensor, 9.80665)
+                .expect("enough");
         let apart = vector::norm(vector::sub(found.sensor_m, rig.sensor_m));
         println!("{seed}: {:.2} mm ± {:?} {found:?}", apart * 1e3, found.sigma_m);
         assert!(apart < 0.004, "{found:?}");
@@ -191,5 +192,5 @@ fn the_lever_arm_and_up_are_found() {
         assert!((found.gravity_m_s2 - 9.80665).abs() < 0.2, "{found:?}");
     }
     let nothing: [Vec3; 0] = [];
-    assert!(lever_arm(&[], &[], &[], &nothing, Quaternion::IDENTITY).is_err());
+    assert!(lever_arm(&[], &[], &[], &nothing, Quaternion::IDENTITY, 9.8).is_err());
 }

@@ -1,6 +1,7 @@
 //! `cargo xtask bench …`: numbers that the documentation quotes.
 
 pub mod accuracy;
+pub mod bridge;
 mod coverage;
 pub mod doors;
 mod estimators;

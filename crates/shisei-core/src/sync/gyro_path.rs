@@ -114,7 +114,7 @@ impl<'a> GyroPath<'a> {
 }
 
 /// The middle value (the upper one of two); 0 for none.
-pub(super) fn median(values: &mut [f64]) -> f64 {
+pub(crate) fn median(values: &mut [f64]) -> f64 {
     let middle = values.len() / 2;
     if values.is_empty() {
         return 0.0;

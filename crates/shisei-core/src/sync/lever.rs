@@ -6,12 +6,13 @@
 //!
 //! `∫ φ̈ (p + R l) dt = ∫ φ R_s (f − b) dt − ĝ ∫ φ dt`
 //!
-//! is linear in l, in the accelerometer's bias b and in the upward vector ĝ of gravity's size.
+//! is linear in l, in the accelerometer's bias b and in the upward vector ĝ of gravity's size. A second round
+//! holds ĝ to the gravity that is given, which a bias could otherwise take the place of.
 
 use alloc::vec::Vec;
 
 use crate::error::{Error, Result};
-use crate::filter::{check_rows, same_length};
+use crate::filter::{check_rows, positive, same_length};
 use crate::frames::Pose;
 use crate::least_squares::inverse_spd;
 use crate::math;
@@ -26,6 +27,8 @@ const SPACING_S: f64 = 0.1;
 const PRIOR_LEVER_M: f64 = 1.0;
 const PRIOR_BIAS_M_S2: f64 = 0.5;
 const PRIOR_GRAVITY_M_S2: f64 = 20.0;
+/// Standard deviation of the given gravity's size, m/s²: from the poles to the equator.
+const GRAVITY_SIGMA_M_S2: f64 = 0.02;
 /// Stretches needed.
 const LEAST_WINDOWS: usize = 20;
 
@@ -56,7 +59,7 @@ pub struct Lever {
 /// Finds lever arm, bias and up.
 ///
 /// `optical_s` ascends, one pose a frame where the body was seen; `sensor_s` are the times of the samples on the
-/// optical clock, ascending. Refused: unequal lengths, numbers that are not finite, fewer than 20 stretches of
+/// optical clock, ascending; `gravity_m_s2` is gravity's size. Refused: unequal lengths, numbers that are not finite, fewer than 20 stretches of
 /// half a second in which every frame was seen and the sensor has samples.
 pub fn lever_arm(
     optical_s: &[f64],
@@ -64,7 +67,9 @@ pub fn lever_arm(
     sensor_s: &[f64],
     acc_m_s2: &[Vec3],
     body_from_sensor: Quaternion,
+    gravity_m_s2: f64,
 ) -> Result<Lever> {
+    positive("gravity", gravity_m_s2)?;
     same_length(optical_s.len(), poses.len())?;
     same_length(sensor_s.len(), acc_m_s2.len())?;
     check_rows(acc_m_s2, 0)?;
@@ -83,7 +88,7 @@ pub fn lever_arm(
     if windows.len() < LEAST_WINDOWS {
         return Err(Error::TooFewPoints { given: windows.len(), needed: LEAST_WINDOWS });
     }
-    solve(&windows)
+    solve(&windows, gravity_m_s2)
 }
 
 /// One test function: three equations `value = Σ jacobian · unknowns`.
@@ -172,7 +177,7 @@ fn share(time_s: &[f64], row: usize) -> Option<f64> {
     (width > 0.0 && width < 0.05).then_some(width)
 }
 
-fn solve(windows: &[Window]) -> Result<Lever> {
+fn solve(windows: &[Window], gravity_m_s2: f64) -> Result<Lever> {
     let mut matrix: Square<UNKNOWNS> = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut gradient = [0.0; UNKNOWNS];
     for window in windows {
@@ -191,8 +196,20 @@ fn solve(windows: &[Window]) -> Result<Lever> {
     let mut covariance = [[0.0; UNKNOWNS]; UNKNOWNS];
     let mut variance = (0.1 * width) * (0.1 * width);
     // the priors weigh against the residuals' own variance, which the second round knows
-    for _ in 0..2 {
-        let mut with_priors = matrix;
+    for round in 0..3 {
+        let (mut with_priors, mut gradient) = (matrix, gradient);
+        let size = vector::norm([x[6], x[7], x[8]]);
+        if round > 0 && size > 0.0 {
+            // up · ĝ = gravity
+            let up = vector::scale([x[6], x[7], x[8]], 1.0 / size);
+            let weight = variance / (GRAVITY_SIGMA_M_S2 * GRAVITY_SIGMA_M_S2);
+            for a in 0..3 {
+                for b in 0..3 {
+                    with_priors[6 + a][6 + b] += weight * up[a] * up[b];
+                }
+                gradient[6 + a] += weight * up[a] * gravity_m_s2;
+            }
+        }
         for k in 0..UNKNOWNS {
             let prior = [PRIOR_LEVER_M, PRIOR_BIAS_M_S2, PRIOR_GRAVITY_M_S2][k / 3];
             with_priors[k][k] += variance / (prior * prior);

@@ -94,4 +94,5 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "clock/fit", run: clock::fit },
     Topic { name: "clock/frames", run: clock::frames },
     Topic { name: "clock/unwrap", run: clock::unwrap },
+    Topic { name: "fuse", run: sync::fuse },
 ];

@@ -2,7 +2,8 @@
 
 use alloc::vec::Vec;
 
-use shisei_core::frames::Pose;
+use shisei_core::frames::{Axes, Pose};
+use shisei_core::fuse::{self, FuseSettings, Inertial, Optical};
 use shisei_core::sync::fourier::{Complex, Fourier};
 use shisei_core::sync::gyro_path::{GyroPath, Stamp};
 use shisei_core::sync::rates::{RatesSettings, Start, Sync};
@@ -129,12 +130,34 @@ pub fn lever(digest: &mut Digest) {
     let made = filmed();
     let on_optical_clock: Vec<f64> = made.sensor_s.iter().map(|time_s| time_s - 2.0).collect();
     let mounting = Quaternion::IDENTITY;
-    let found = lever::lever_arm(&made.optical_s, &made.poses, &on_optical_clock, &made.acc, mounting);
+    let found = lever::lever_arm(&made.optical_s, &made.poses, &on_optical_clock, &made.acc, mounting, 9.8);
     digest.push_result(found, |digest, lever| {
         digest.push_vec3(lever.sensor_m);
         digest.push_vec3(lever.sigma_m);
         digest.push_vec3(lever.acc_bias_m_s2);
         digest.push_vec3(lever.up);
         digest.push_all(&[lever.sigma_up_rad, lever.gravity_m_s2, lever.residual_m_s2]);
+    });
+}
+
+pub fn fuse(digest: &mut Digest) {
+    let made = filmed();
+    let optical = Optical { time_s: &made.optical_s, poses: &made.poses };
+    let inertial = Inertial { time_s: &made.sensor_s, acc_m_s2: &made.acc, gyro_rad_s: &made.gyro };
+    let settings = FuseSettings { axes: Axes::ZUp, ..FuseSettings::default() };
+    digest.push_result(fuse::fuse(&optical, &inertial, &settings), |digest, fusion| {
+        push_sync(digest, &fusion.sync);
+        digest.push_vec3(fusion.up);
+        for frame in &fusion.frames {
+            digest.push_bytes(frame.source.name().as_bytes());
+            digest.push_all(&[frame.gap_s, frame.sigma_rad, frame.sigma_m]);
+            if let Some(pose) = frame.pose {
+                digest.push_vec3(pose.position_m);
+                digest.push_quaternion(pose.world_from_body);
+            }
+        }
+        for gap in &fusion.gaps {
+            digest.push_all(&[gap.length_s, gap.sigma_rad, gap.sigma_m]);
+        }
     });
 }

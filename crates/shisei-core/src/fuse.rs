@@ -1,0 +1,432 @@
+//! Optical and inertial together: every frame of a take gets a pose, a source and an expected error.
+//!
+//! Clocks and mounting come from the rotation rates ([`crate::sync::rates`]), the lever arm and the true vertical
+//! from the accelerometer ([`crate::sync::lever`]); with the sensor's biases and scales taken out, the bridging
+//! smoother ([`crate::estimator::bridge`]) runs over the whole recording with the optical poses as measurements.
+//! Frames that the cameras saw keep what they saw. In a gap the smoother's motion is taken, shifted by what it is
+//! off at the gap's two ends, from the one linearly to the other, so that nothing jumps.
+
+use alloc::vec::Vec;
+
+use crate::error::{Error, Result};
+use crate::estimator::{self, BridgeSettings, Bridged, Calibration, OpticalPose};
+use crate::filter::{Dt, same_length};
+use crate::frames::{Axes, Pose};
+use crate::math;
+use crate::matrix::times_vector;
+use crate::quaternion::Quaternion;
+use crate::sync::gyro_path::Stamp;
+use crate::sync::lever::{Lever, lever_arm};
+use crate::sync::rates::{RatesSettings, Sync, synchronise};
+use crate::vector::{self, Vec3};
+
+/// Inertial samples this long before the first frame and after the last are used too, s.
+const MARGIN_S: f64 = 2.0;
+/// A vertical that is known less well than this is not used, rad (1°).
+const UP_SIGMA_RAD: f64 = 0.0175;
+/// A lever arm that is known less well than this is not used, m.
+const LEVER_SIGMA_M: f64 = 0.03;
+/// Poses of neighbouring frames further apart than this many usual steps are not interpolated.
+const NEIGHBOUR_STEPS: f64 = 1.5;
+/// Inertial samples further apart than this leave a hole, s.
+const HOLE_S: f64 = 0.1;
+
+/// What the cameras saw: one row a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Optical<'a> {
+    /// Time of each frame, s, ascending.
+    pub time_s: &'a [f64],
+    /// The body in a right-handed world; none where it was lost.
+    pub poses: &'a [Option<Pose>],
+}
+
+/// What the sensor read.
+#[derive(Clone, Copy, Debug)]
+pub struct Inertial<'a> {
+    /// Time of each sample on the sensor's clock, s, ascending.
+    pub time_s: &'a [f64],
+    /// Accelerometer, m/s², sensor axes.
+    pub acc_m_s2: &'a [Vec3],
+    /// Gyroscope, rad/s, sensor axes.
+    pub gyro_rad_s: &'a [Vec3],
+}
+
+/// How the two are brought together.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FuseSettings {
+    /// How clocks and mounting are found.
+    pub rates: RatesSettings,
+    /// How well the cameras see; its lever arm is what remains after the found one, 0.005 m.
+    pub optics: BridgeSettings,
+    /// The world's axes, whose up is used where gravity does not show it well enough.
+    pub axes: Axes,
+    /// Size of gravity, m/s².
+    pub gravity_m_s2: f64,
+    /// Positions in gaps longer than this are marked as inertial, not bridged, s: 30.
+    pub position_trust_s: f64,
+}
+
+impl Default for FuseSettings {
+    fn default() -> Self {
+        FuseSettings {
+            rates: RatesSettings::default(),
+            optics: BridgeSettings { lever_m: 0.005, ..BridgeSettings::default() },
+            axes: Axes::YUp,
+            gravity_m_s2: crate::STANDARD_GRAVITY_M_S2,
+            position_trust_s: 30.0,
+        }
+    }
+}
+
+/// Where a frame's pose comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Source {
+    /// The cameras.
+    Optical,
+    /// The sensor, held at both ends by the cameras.
+    Bridged,
+    /// The sensor, not held at both ends, or for too long: the attitude goes on, the position is not to be trusted.
+    Inertial,
+    /// Neither.
+    None,
+}
+
+impl Source {
+    /// `optical`, `bridged`, `inertial`, `none`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Source::Optical => "optical",
+            Source::Bridged => "bridged",
+            Source::Inertial => "inertial",
+            Source::None => "none",
+        }
+    }
+}
+
+/// One frame of the result.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FusedFrame {
+    /// The body, in the world it came in; none where the source is none.
+    pub pose: Option<Pose>,
+    /// Where it comes from.
+    pub source: Source,
+    /// Time since the cameras last saw the body, s; 0 where they see it.
+    pub gap_s: f64,
+    /// Expected error of the attitude (one standard deviation), rad; NaN where the source is none.
+    pub sigma_rad: f64,
+    /// Expected error of the position, m; NaN where the source is none.
+    pub sigma_m: f64,
+}
+
+/// A gap and how it was filled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FilledGap {
+    /// First lost frame.
+    pub first: usize,
+    /// Frame after the last lost one.
+    pub end: usize,
+    /// From the frame before to the frame after, s.
+    pub length_s: f64,
+    /// How it was filled; none where a frame of it has no pose.
+    pub source: Source,
+    /// Largest expected errors, rad and m; NaN where not filled.
+    pub sigma_rad: f64,
+    /// As above, m.
+    pub sigma_m: f64,
+}
+
+/// The whole take.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fusion {
+    /// One a frame.
+    pub frames: Vec<FusedFrame>,
+    /// Its gaps.
+    pub gaps: Vec<FilledGap>,
+    /// Clocks and mounting.
+    pub sync: Sync,
+    /// Lever arm and vertical; none where there was too little unbroken motion to find them.
+    pub lever: Option<Lever>,
+    /// Up as it was used, in the optical world.
+    pub up: Vec3,
+    /// What was learnt of the sensor beyond the biases and scales that `sync` and `lever` hold.
+    pub calibration: Calibration,
+}
+
+/// Brings a take and a recording together.
+///
+/// Refused: unequal lengths, numbers that are not finite, times that do not ascend, and whatever
+/// [`synchronise`] refuses: too little, no common motion, rotation about one axis only.
+pub fn fuse(optical: &Optical<'_>, inertial: &Inertial<'_>, settings: &FuseSettings) -> Result<Fusion> {
+    same_length(optical.time_s.len(), optical.poses.len())?;
+    same_length(inertial.time_s.len(), inertial.acc_m_s2.len())?;
+    for (row, pose) in optical.poses.iter().enumerate() {
+        if let Some(pose) = pose
+            && !(vector::is_finite(pose.position_m) && pose.world_from_body.is_finite())
+        {
+            return Err(Error::NotFinite { row });
+        }
+    }
+    let attitude: Vec<Option<Quaternion>> =
+        optical.poses.iter().map(|pose| pose.map(|pose| pose.world_from_body)).collect();
+    let sync = synchronise(optical.time_s, &attitude, inertial.time_s, inertial.gyro_rad_s, &settings.rates)?;
+    let all_s: Vec<f64> = inertial.time_s.iter().map(|time_s| sync.optical_time_s(*time_s)).collect();
+    let (Some(&first_s), Some(&last_s)) = (optical.time_s.first(), optical.time_s.last()) else {
+        return Err(Error::Empty);
+    };
+    let start = all_s.partition_point(|time_s| *time_s < first_s - MARGIN_S);
+    let end = all_s.partition_point(|time_s| *time_s <= last_s + MARGIN_S).max(start);
+    let time_s = &all_s[start..end];
+    let (acc, gyro) = (&inertial.acc_m_s2[start..end], &inertial.gyro_rad_s[start..end]);
+    if time_s.len() < 2 {
+        return Err(Error::TooFewPoints { given: time_s.len(), needed: 2 });
+    }
+    let mut steps: Vec<f64> = time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let step_s = middle(&mut steps.clone());
+    let delay_s = if settings.rates.stamp == Stamp::End { 0.5 * step_s } else { 0.0 };
+    let read_s: Vec<f64> = time_s.iter().map(|time_s| time_s - delay_s).collect();
+    let lever =
+        lever_arm(optical.time_s, optical.poses, &read_s, acc, sync.body_from_sensor, settings.gravity_m_s2)
+            .ok()
+            .filter(|lever| vector::norm(lever.sigma_m) < LEVER_SIGMA_M);
+    let body = Body::new(&sync, lever.as_ref(), settings);
+
+    steps.insert(0, step_s);
+    let (acc, gyro) = body.corrected(acc, gyro, &sync, lever.as_ref());
+    let seen = Seen::new(optical);
+    let measured: Vec<Option<OpticalPose>> =
+        time_s.iter().map(|time_s| seen.at(*time_s).map(|pose| body.sensor(&pose))).collect();
+    let mut estimator = estimator::Settings { gravity_m_s2: body.gravity_m_s2, ..Default::default() };
+    estimator.calibration = None;
+    let (bridged, calibration) =
+        estimator::bridge(&acc, &gyro, Dt::PerSample(&steps), &measured, &settings.optics, &estimator)?;
+    let motion = Motion { time_s, bridged: &bridged, body: &body };
+    let (frames, gaps) = fill(optical, &motion, settings);
+    Ok(Fusion { frames, gaps, sync, lever, up: body.up, calibration })
+}
+
+/// The body and its sensor in the level world of the smoother.
+struct Body {
+    /// Turns the optical world level: up becomes z.
+    level: Quaternion,
+    up: Vec3,
+    gravity_m_s2: f64,
+    body_from_sensor: Quaternion,
+    sensor_m: Vec3,
+}
+
+impl Body {
+    fn new(sync: &Sync, lever: Option<&Lever>, settings: &FuseSettings) -> Self {
+        let known = lever.filter(|lever| lever.sigma_up_rad < UP_SIGMA_RAD);
+        let up = known.map_or(settings.axes.up(), |lever| lever.up);
+        Body {
+            level: shortest(up),
+            up,
+            gravity_m_s2: known.map_or(settings.gravity_m_s2, |lever| lever.gravity_m_s2),
+            body_from_sensor: sync.body_from_sensor,
+            sensor_m: lever.map_or([0.0; 3], |lever| lever.sensor_m),
+        }
+    }
+
+    /// The sensor of a body in the level world.
+    fn sensor(&self, pose: &Pose) -> OpticalPose {
+        let q = pose.world_from_body;
+        OpticalPose {
+            world_from_body: self.level.product(q).product(self.body_from_sensor).normalized(),
+            position_m: self.level.rotate(vector::add(pose.position_m, q.rotate(self.sensor_m))),
+        }
+    }
+
+    /// The body of a sensor in the level world.
+    fn pose(&self, world_from_sensor: Quaternion, position_m: Vec3) -> Pose {
+        let back = self.level.conjugate();
+        let q = back.product(world_from_sensor).product(self.body_from_sensor.conjugate()).normalized();
+        Pose { position_m: vector::sub(back.rotate(position_m), q.rotate(self.sensor_m)), world_from_body: q }
+    }
+
+    /// Readings without what the synchronisation has found: biases, and the gyroscope's scales and misalignment.
+    fn corrected(
+        &self,
+        acc: &[Vec3],
+        gyro: &[Vec3],
+        sync: &Sync,
+        lever: Option<&Lever>,
+    ) -> (Vec<Vec3>, Vec<Vec3>) {
+        let mounting = sync.body_from_sensor;
+        let rate = |reading: &Vec3| {
+            let body = mounting.rotate(vector::sub(*reading, sync.gyro_bias_rad_s));
+            mounting.conjugate().rotate(times_vector(&sync.gyro_matrix, &body))
+        };
+        let known = lever.filter(|lever| lever.sigma_up_rad < UP_SIGMA_RAD);
+        let bias = known.map_or([0.0; 3], |lever| lever.acc_bias_m_s2);
+        let force = |reading: &Vec3| vector::sub(*reading, bias);
+        (acc.iter().map(force).collect(), gyro.iter().map(rate).collect())
+    }
+}
+
+/// The shortest turn that brings a unit vector to z.
+fn shortest(up: Vec3) -> Quaternion {
+    let axis = vector::cross(up, [0.0, 0.0, 1.0]);
+    if up[2] < -0.999_999 {
+        return Quaternion::new(0.0, 1.0, 0.0, 0.0);
+    }
+    Quaternion::new(1.0 + up[2], axis[0], axis[1], axis[2]).normalized()
+}
+
+/// Poses between the frames.
+struct Seen<'a> {
+    optical: &'a Optical<'a>,
+    step_s: f64,
+}
+
+impl<'a> Seen<'a> {
+    fn new(optical: &'a Optical<'a>) -> Self {
+        let mut steps: Vec<f64> = optical.time_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+        Seen { optical, step_s: middle(&mut steps) }
+    }
+
+    fn at(&self, time_s: f64) -> Option<Pose> {
+        let times = self.optical.time_s;
+        let after = times.partition_point(|t| *t < time_s);
+        let (last, next) = (after.checked_sub(1), times.get(after));
+        if next == Some(&time_s) {
+            return self.optical.poses[after];
+        }
+        let (last, next) = (last?, *next?);
+        let width = next - times[last];
+        if width > NEIGHBOUR_STEPS * self.step_s {
+            return None;
+        }
+        let (a, b) = (self.optical.poses[last]?, self.optical.poses[after]?);
+        Some(between(&a, &b, (time_s - times[last]) / width))
+    }
+}
+
+fn between(a: &Pose, b: &Pose, share: f64) -> Pose {
+    let step = vector::sub(b.position_m, a.position_m);
+    Pose {
+        position_m: vector::add(a.position_m, vector::scale(step, share)),
+        world_from_body: Quaternion::slerp(a.world_from_body, b.world_from_body, share).normalized(),
+    }
+}
+
+/// The smoother's motion as a function of optical time.
+struct Motion<'a> {
+    time_s: &'a [f64],
+    bridged: &'a [Bridged],
+    body: &'a Body,
+}
+
+/// The body and the errors expected.
+struct Moved {
+    pose: Pose,
+    sigma_rad: f64,
+    sigma_m: f64,
+}
+
+impl Motion<'_> {
+    fn at(&self, time_s: f64) -> Option<Moved> {
+        let after = self.time_s.partition_point(|t| *t < time_s);
+        let last = after.checked_sub(1).or((self.time_s.first() == Some(&time_s)).then_some(0))?;
+        let next = after.max(1);
+        let (t0, t1) = (self.time_s[last], *self.time_s.get(next)?);
+        if t1 - t0 > HOLE_S {
+            return None;
+        }
+        let (a, b) = (&self.bridged[last], &self.bridged[next]);
+        let (h, u) = (t1 - t0, (time_s - t0) / (t1 - t0));
+        // a cubic through both positions and velocities
+        let (u2, u3) = (u * u, u * u * u);
+        let weights =
+            [2.0 * u3 - 3.0 * u2 + 1.0, h * (u3 - 2.0 * u2 + u), 3.0 * u2 - 2.0 * u3, h * (u3 - u2)];
+        let mut position_m = [0.0; 3];
+        for axis in 0..3 {
+            position_m[axis] = weights[0] * a.position_m[axis]
+                + weights[1] * a.velocity_m_s[axis]
+                + weights[2] * b.position_m[axis]
+                + weights[3] * b.velocity_m_s[axis];
+        }
+        let q = Quaternion::slerp(a.state.world_from_body, b.state.world_from_body, u);
+        let sigma = |state: &estimator::State| math::hypot(state.sigma_tilt_rad, state.sigma_heading_rad);
+        Some(Moved {
+            pose: self.body.pose(q, position_m),
+            sigma_rad: sigma(&a.state).max(sigma(&b.state)),
+            sigma_m: a.sigma_position_m.max(b.sigma_position_m),
+        })
+    }
+}
+
+/// What the smoother is off by at a frame that was seen: a rotation vector and a shift in the world.
+fn off(seen: &Pose, moved: &Pose) -> (Vec3, Vec3) {
+    let turn = seen.world_from_body.product(moved.world_from_body.conjugate()).to_rotation_vector();
+    (turn, vector::sub(seen.position_m, moved.position_m))
+}
+
+fn fill(
+    optical: &Optical<'_>,
+    motion: &Motion<'_>,
+    settings: &FuseSettings,
+) -> (Vec<FusedFrame>, Vec<FilledGap>) {
+    let (time_s, poses) = (optical.time_s, optical.poses);
+    let mut frames: Vec<FusedFrame> = poses
+        .iter()
+        .map(|pose| FusedFrame {
+            pose: *pose,
+            source: if pose.is_some() { Source::Optical } else { Source::None },
+            gap_s: 0.0,
+            sigma_rad: if pose.is_some() { settings.optics.attitude_rad } else { f64::NAN },
+            sigma_m: if pose.is_some() { settings.optics.position_m } else { f64::NAN },
+        })
+        .collect();
+    let mut gaps = Vec::new();
+    let mut first = 0;
+    while first < poses.len() {
+        if poses[first].is_some() {
+            first += 1;
+            continue;
+        }
+        let end = (first..poses.len()).find(|&k| poses[k].is_some()).unwrap_or(poses.len());
+        let off_at = |frame: Option<usize>| {
+            let frame = frame?;
+            Some(off(&poses.get(frame).copied()??, &motion.at(time_s[frame])?.pose))
+        };
+        let before = first.checked_sub(1);
+        let (left, right) = (off_at(before), off_at(Some(end).filter(|end| *end < poses.len())));
+        let from_s = before.map_or(time_s[first], |frame| time_s[frame]);
+        let to_s = time_s.get(end).copied().unwrap_or(time_s[end - 1]);
+        let length_s = to_s - from_s;
+        let held = left.is_some() && right.is_some() && length_s <= settings.position_trust_s;
+        let source = if held { Source::Bridged } else { Source::Inertial };
+        let (left, right) = (left.or(right).unwrap_or_default(), right.or(left).unwrap_or_default());
+        let mut gap = FilledGap { first, end, length_s, source, sigma_rad: 0.0, sigma_m: 0.0 };
+        for frame in first..end {
+            frames[frame].gap_s = time_s[frame] - from_s;
+            let Some(moved) = motion.at(time_s[frame]) else {
+                gap.source = Source::None;
+                continue;
+            };
+            let share = if length_s > 0.0 { (time_s[frame] - from_s) / length_s } else { 0.0 };
+            let mix = |a: Vec3, b: Vec3| vector::add(vector::scale(a, 1.0 - share), vector::scale(b, share));
+            let turn = Quaternion::from_rotation_vector(mix(left.0, right.0));
+            frames[frame].pose = Some(Pose {
+                position_m: vector::add(moved.pose.position_m, mix(left.1, right.1)),
+                world_from_body: turn.product(moved.pose.world_from_body).normalized(),
+            });
+            frames[frame].source = source;
+            frames[frame].sigma_rad = moved.sigma_rad;
+            frames[frame].sigma_m = moved.sigma_m;
+            gap.sigma_rad = gap.sigma_rad.max(moved.sigma_rad);
+            gap.sigma_m = gap.sigma_m.max(moved.sigma_m);
+        }
+        if gap.source == Source::None {
+            (gap.sigma_rad, gap.sigma_m) = (f64::NAN, f64::NAN);
+        }
+        gaps.push(gap);
+        first = end;
+    }
+    (frames, gaps)
+}
+
+/// The middle value; 0 for none.
+fn middle(values: &mut [f64]) -> f64 {
+    crate::sync::gyro_path::median(values)
+}
