@@ -8,6 +8,7 @@
 mod arrays;
 mod calibration;
 mod errors;
+mod estimator;
 mod filters;
 mod sheet;
 
@@ -27,5 +28,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(calibration::six_face, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::apply, module)?)?;
     module.add_class::<filters::MahonyFilter>()?;
+    module.add_function(wrap_pyfunction!(estimator::estimate, module)?)?;
+    module.add_class::<estimator::EstimatorFilter>()?;
     Ok(())
 }

@@ -16,6 +16,7 @@ The worksheet functions are in :mod:`shisei.sheet`.
 from . import sheet
 from ._native import ConditionError, DomainError, ShapeError, __version__, set_language
 from .calibration import Calibration, Face, SixFaceResult, six_face
+from .estimator import Estimate, Estimator, EstimatorState, EstimatorStates, estimate
 from .filters import (
     AdaptiveGain,
     Mahony,
@@ -42,8 +43,9 @@ from .rotations import (
 )
 
 __all__ = [
-    "AdaptiveGain", "Calibration", "ConditionError", "DomainError", "Face", "Mahony", "Motion", "Orientation",
-    "ShapeError", "SixFaceResult", "__version__", "complementary", "conjugate", "dead_reckon", "from_axis_angle",
-    "from_ypr", "initial_attitude", "integrate_gyro", "mahony", "mahony_adaptive", "multiply", "normalize", "orient",
-    "relative", "rotate", "set_language", "sheet", "six_face", "slerp", "to_ypr",
+    "AdaptiveGain", "Calibration", "ConditionError", "DomainError", "Estimate", "Estimator", "EstimatorState",
+    "EstimatorStates", "Face", "Mahony", "Motion", "Orientation", "ShapeError", "SixFaceResult", "__version__",
+    "complementary", "conjugate", "dead_reckon", "estimate", "from_axis_angle", "from_ypr", "initial_attitude",
+    "integrate_gyro", "mahony", "mahony_adaptive", "multiply", "normalize", "orient", "relative", "rotate",
+    "set_language", "sheet", "six_face", "slerp", "to_ypr",
 ]

@@ -58,3 +58,26 @@ class MahonyFilter:
     def world_from_body(self) -> list[float]: ...
     @property
     def integral_rad_s(self) -> list[float]: ...
+
+def estimate(
+    gyro_rad_s: NDArray[float64],
+    acc_m_s2: NDArray[float64],
+    dt_s: float | NDArray[float64],
+    online: bool,
+    auto_rest: bool,
+    rest_rows: tuple[int, int] | None,
+    forward_axis_body: list[float] | None,
+    gravity_m_s2: float,
+    calibration: Any,
+) -> dict[str, Any]: ...
+
+class EstimatorFilter:
+    def __init__(self, gravity_m_s2: float, calibration: Any) -> None: ...
+    def update(self, gyro_rad_s: list[float], acc_m_s2: list[float], dt_s: float) -> Any: ...
+    def update_all(
+        self, gyro_rad_s: NDArray[float64], acc_m_s2: NDArray[float64], dt_s: float | NDArray[float64]
+    ) -> dict[str, Any]: ...
+    @property
+    def state(self) -> Any: ...
+    @property
+    def learnt(self) -> Any: ...

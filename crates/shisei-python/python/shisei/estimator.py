@@ -1,0 +1,200 @@
+"""The estimator: attitude with its uncertainty, of a recording or sample by sample."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import sheet
+from ._arrays import Floats, series, steps, vector
+from ._native import EstimatorFilter
+from ._native import estimate as _estimate
+from .calibration import Calibration
+from .filters import GRAVITY_M_S2
+
+LEARNT_ORDER = [
+    "gyro_bias_x", "gyro_bias_y", "gyro_bias_z", "acc_bias_x", "acc_bias_y", "acc_bias_z", "gyro_matrix_xx",
+    "gyro_matrix_xy", "gyro_matrix_xz", "gyro_matrix_yx", "gyro_matrix_yy", "gyro_matrix_yz", "gyro_matrix_zx",
+    "gyro_matrix_zy", "gyro_matrix_zz", "acc_scale_x", "acc_scale_y", "acc_scale_z",
+]
+"""Rows and columns of the covariance in a calibration that the estimator learnt."""
+
+Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
+
+
+def _known(calibration: Calibration | None) -> Any:
+    if calibration is None:
+        return None
+    covariance = calibration.other.get("covariance")
+    values = covariance["values"] if covariance and covariance.get("order") == LEARNT_ORDER else None
+    c = calibration
+    return (list(c.gyro_bias_rad_s), [list(r) for r in c.gyro_matrix], list(c.acc_bias_m_s2),
+            [list(r) for r in c.acc_matrix], values)
+
+
+def _learnt(found: Any, before: Calibration | None, gravity_m_s2: float) -> Calibration:
+    gyro_bias, gyro_matrix, acc_bias, acc_matrix, covariance = found
+    if before is not None and _known(before)[4] is None:  # it corrected the readings; what was learnt comes after it
+        gyro_bias, gyro_matrix = _after(before.gyro_bias_rad_s, before.gyro_matrix, gyro_bias, gyro_matrix)
+        acc_bias, acc_matrix = _after(before.acc_bias_m_s2, before.acc_matrix, acc_bias, acc_matrix)
+    other = {"method": "estimator", "gravity_m_s2": gravity_m_s2,
+             "covariance": {"order": LEARNT_ORDER, "values": covariance}}
+    return Calibration(tuple(acc_bias), acc_matrix, tuple(gyro_bias), gyro_matrix, other)
+
+
+def _after(first_bias: Any, first_matrix: Any, bias: Any, matrix: Any) -> tuple[list[float], list[list[float]]]:
+    """``matrix (first_matrix (raw − first_bias) − bias)`` as one bias and matrix."""
+    total = np.asarray(first_bias, float) + np.linalg.solve(np.asarray(first_matrix, float), np.asarray(bias, float))
+    return total.tolist(), (np.asarray(matrix, float) @ np.asarray(first_matrix, float)).tolist()
+
+
+def _forward(forward: Axis | Any) -> list[float] | None:
+    if forward is None:
+        return None
+    if isinstance(forward, str):
+        if len(forward) != 2 or forward[0] not in "+-" or forward[1] not in "xyz":
+            raise ValueError(f"forward is {forward!r}; it must be '+x', '-x', '+y', '-y', '+z', '-z' or three numbers")
+        sign = 1.0 if forward[0] == "+" else -1.0
+        return [sign if axis == forward[1] else 0.0 for axis in "xyz"]
+    return vector(forward, 3, "forward")
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """Attitude of a recording, and how sure it is. N rows, one a sample; standard deviations are 1 sigma."""
+
+    q_wxyz: Floats
+    """(N, 4) ``world_from_body``, w, x, y, z; yaw is 0 at the start, or as ``forward`` says."""
+    ypr_rad: Floats
+    """(N, 3) yaw, pitch, roll of ``q_wxyz`` (Z-Y-X intrinsic)."""
+    sigma_tilt_rad: Floats
+    """(N,) standard deviation of the tilt: the angle between the true and the stated vertical."""
+    sigma_heading_rad: Floats
+    """(N,) standard deviation of the heading since the start."""
+    rest: NDArray[np.bool_]
+    """(N,) True where the sensor is at rest."""
+    gyro_bias_rad_s: Floats
+    """(3,) gyroscope bias as learnt by the end, sensor axes."""
+    start: tuple[float, float, float, float]
+    """Attitude at the start: at the first rest, or at the first sample where there is none."""
+    rest_rows: tuple[int, int] | None
+    """Rows of the first rest, the end excluded; None when none was found or looked for."""
+    calibration: Calibration
+    """What was learnt of the sensor, to save or to give to the next :func:`estimate` as ``calibration``."""
+
+    def relative_ypr_rad(self, relative: Literal["world", "body"] = "world") -> Floats:
+        """(N, 3) yaw, pitch, roll of the turn since ``start``, in world axes or in the sensor's axes at the start."""
+        functions = {"world": sheet.Quats2WorldYprs, "body": sheet.Quats2BodyYprs}
+        if relative not in functions:
+            raise ValueError(f"relative is {relative!r}; it must be 'world' or 'body'")
+        return functions[relative](self.q_wxyz, self.start)
+
+
+def estimate(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, time_s: Any = None,
+             dt_s: float | None = None, online: bool = False, forward: Axis | Any = None,
+             gravity_m_s2: float = GRAVITY_M_S2, rest: Literal["auto"] | tuple[int, int] | None = "auto",
+             calibration: Calibration | None = None) -> Estimate:
+    """Attitude of a whole recording by the estimator, which also says how sure it is.
+
+    acc_m_s2, gyro_rad_s: (N, 3) in sensor axes, as measured or corrected. rate_hz, or time_s (N,) ascending, or dt_s.
+    online: False smooths (every attitude from the whole recording); True uses only the samples before each row, as
+    :class:`Estimator` does live. forward: the sensor axis that, laid flat at the start, points along world x: "+x" …
+    "-z" or (3,). gravity_m_s2: local gravity. rest: "auto" (the first rest; without one it goes on without),
+    (first row, end row), or None. calibration: what is known of the sensor; give raw readings with it.
+
+    The GIL is released. Raises ShapeError (wrong shapes, unequal lengths), DomainError (numbers that are not finite,
+    steps or gravity not positive) and ConditionError (the forward axis is near the vertical, the given rest is too
+    short).
+    """
+    gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
+    rows = None if rest is None or rest == "auto" else (int(rest[0]), int(rest[1]))
+    found = _estimate(gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), online, rest == "auto", rows, _forward(forward),
+                      gravity_m_s2, _known(calibration))
+    learnt = _learnt(found["learnt"], calibration, gravity_m_s2)
+    q = found["q_wxyz"]
+    return Estimate(q, sheet.Quats2Yprs(q), found["sigma_tilt_rad"], found["sigma_heading_rad"], found["rest"],
+                    np.array(learnt.gyro_bias_rad_s), tuple(found["start"]), found["rest_rows"], learnt)
+
+
+class EstimatorState(NamedTuple):
+    """What is known after a sample."""
+
+    q_wxyz: tuple[float, float, float, float]
+    """``world_from_body``, w, x, y, z; yaw is 0 at the start."""
+    rate_rad_s: tuple[float, float, float]
+    """Rate without bias, scale and misalignment, sensor axes."""
+    gyro_bias_rad_s: tuple[float, float, float]
+    """Gyroscope bias, sensor axes; with a calibration, what is left of it."""
+    sigma_tilt_rad: float
+    """Standard deviation of the tilt."""
+    sigma_heading_rad: float
+    """Standard deviation of the heading since the start."""
+    covariance_rad2: tuple[tuple[float, float, float], ...]
+    """3×3 covariance of the attitude's error, world axes."""
+    rest: bool
+    """True while the sensor is at rest."""
+
+
+class EstimatorStates(NamedTuple):
+    """What is known after each of N samples; the fields are those of :class:`EstimatorState`."""
+
+    q_wxyz: Floats
+    """(N, 4)"""
+    rate_rad_s: Floats
+    """(N, 3)"""
+    gyro_bias_rad_s: Floats
+    """(N, 3)"""
+    sigma_tilt_rad: Floats
+    """(N,)"""
+    sigma_heading_rad: Floats
+    """(N,)"""
+    rest: NDArray[np.bool_]
+    """(N,)"""
+
+
+def _state(found: Any) -> EstimatorState:
+    q, rate, bias, tilt, heading, covariance, rest = found
+    return EstimatorState(tuple(q), tuple(rate), tuple(bias), tilt, heading, tuple(map(tuple, covariance)), rest)
+
+
+class Estimator:
+    """The estimator live: one sample in, one state out, in constant time and memory.
+
+    gravity_m_s2: local gravity. calibration: what is known of the sensor; give raw readings with it. Raises DomainError
+    where one of them is out of range.
+    """
+
+    def __init__(self, *, gravity_m_s2: float = GRAVITY_M_S2, calibration: Calibration | None = None) -> None:
+        self._filter = EstimatorFilter(gravity_m_s2, _known(calibration))
+        self._given = calibration
+        self._gravity = gravity_m_s2
+
+    def update(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: float) -> EstimatorState:
+        """One sample: (3,) m/s², (3,) rad/s, and the time since the one before (of the first: the usual step), s.
+
+        Never NaN and never an exception for what a sensor reads: readings that are not finite, too large or stuck are
+        bridged while the stated uncertainty grows; a sample without a usable step leaves all as it is.
+        """
+        return _state(self._filter.update(list(gyro_rad_s), list(acc_m_s2), dt_s))
+
+    def update_all(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: Any) -> EstimatorStates:
+        """A stretch of samples (N, 3), (N, 3); dt_s: one number or (N,). The same bits as one by one; the GIL is released.
+
+        Raises ShapeError for wrong shapes or unequal lengths.
+        """
+        gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
+        step = float(dt_s) if np.ndim(dt_s) == 0 else np.ascontiguousarray(dt_s, dtype=np.float64)
+        found = self._filter.update_all(gyro, acc, step)
+        return EstimatorStates(*(found[name] for name in EstimatorStates._fields))
+
+    @property
+    def state(self) -> EstimatorState:
+        """What is known now."""
+        return _state(self._filter.state)
+
+    @property
+    def calibration(self) -> Calibration:
+        """What has been learnt of the sensor by now, to save or to start from next time."""
+        return _learnt(self._filter.learnt, self._given, self._gravity)
