@@ -11,7 +11,10 @@ static HOOK: Once = Once::new();
 fuzz_target!(|data: &[u8]| {
     HOOK.call_once(|| {
         std::panic::set_hook(Box::new(|info| {
-            if info.location().is_some_and(|l| l.file().contains("shisei") || l.file().contains("fuzz_targets")) {
+            if info
+                .location()
+                .is_some_and(|l| l.file().contains("shisei") || l.file().contains("fuzz_targets"))
+            {
                 eprintln!("{info}");
                 std::process::abort();
             }
@@ -21,5 +24,8 @@ fuzz_target!(|data: &[u8]| {
     if !bytes.starts_with(b"PAR1") {
         bytes.splice(0..0, *b"PAR1");
     }
-    let _ = open(&[Input { name: "a.parquet", bytes: &bytes }], &Options { keep: vec!["*".into()], ..Options::default() });
+    let _ = open(
+        &[Input { name: "a.parquet", bytes: &bytes }],
+        &Options { keep: vec!["*".into()], ..Options::default() },
+    );
 });

@@ -35,7 +35,9 @@ fuzz_target!(|data: &[u8]| {
                 assert_eq!(recording.gyro_rad_s.len(), rows);
                 assert!(recording.dt_s.iter().all(|dt| *dt > 0.0));
                 assert!(recording.time_s.windows(2).all(|w| w[1] > w[0]));
-                assert!(recording.acc_m_s2.iter().chain(&recording.gyro_rad_s).flatten().all(|v| v.is_finite()));
+                assert!(
+                    recording.acc_m_s2.iter().chain(&recording.gyro_rad_s).flatten().all(|v| v.is_finite())
+                );
             }
         }
         Err(error) => assert!(!error.sentence(Lang::Ja).is_empty()),

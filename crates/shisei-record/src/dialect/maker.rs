@@ -23,7 +23,7 @@ pub struct Motion<'a> {
 /// A file: name and bytes.
 pub type File = (String, Vec<u8>);
 
-/// Ids that [`write`] knows.
+/// Ids that [`write()`] knows.
 pub const IDS: &[&str] = &[
     "shisei",
     "mu-01",

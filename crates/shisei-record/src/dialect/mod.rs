@@ -3,7 +3,7 @@
 //! A dialect is recognised by what the sheet looks like and mends the generic reading of its names: units
 //! that are not written, clocks that wrap, columns whose name misleads. To add one: write
 //! `dialect/NAME.rs` with a `pub const DIALECT: Dialect`, list it in [`ALL`], and put a small sample into
-//! `fixtures/dialects/`. A file that is no table at all (hexadecimal words, binary) is a [`WholeFile`].
+//! `fixtures/dialects/`. A file that is no table at all (hexadecimal words, binary) is a `WholeFile`.
 
 use crate::error::Result;
 use crate::open::Part;
