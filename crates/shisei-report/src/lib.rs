@@ -3,7 +3,7 @@
 //! [`orientation`] makes the report of `orient`. It is put together from parts that know nothing of
 //! orientations: [`page`] (one HTML file of facts, warnings, plots and tables), [`plot`] (axes, series, shaded
 //! spans), [`attitude`] (the scrubbed 3-D view), [`png`] (the same plots as a picture), [`decimate`] (fewer
-//! rows, every peak kept), [`column`] (numbers read in place) and [`escape`].
+//! rows, every peak kept), [`mod@column`] (numbers read in place) and [`escape`].
 //!
 //! No number is computed here beyond its unit and its range; nothing is read from or written to files.
 #![warn(missing_docs)]
