@@ -4,7 +4,7 @@
 //! from the accelerometer ([`crate::sync::lever`]); with the sensor's biases and scales taken out, the bridging
 //! smoother ([`crate::estimator::bridge`]) runs over the whole recording with the optical poses as measurements.
 //! Frames that the cameras saw keep what they saw. In a gap the smoother's motion is taken, shifted by what it is
-//! off at the gap's two ends, from the one linearly to the other, so that nothing jumps.
+//! off beside the gap's two ends, from the one linearly to the other, so that next to nothing jumps.
 
 use alloc::vec::Vec;
 
