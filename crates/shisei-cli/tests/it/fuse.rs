@@ -104,7 +104,7 @@ fn a_take_is_filled_and_written_in_every_format() {
     let mot = desk.text("a.mot");
     assert!(mot.contains(&format!("nRows={}\nnColumns=7\n", frames.len())), "{mot:.200}");
     let glb = std::fs::read(desk.file("a.glb")).expect("written");
-    assert!(glb.starts_with(b"glTF") && glb.len() % 4 == 0);
+    assert!(glb.starts_with(b"glTF") && glb.len().is_multiple_of(4));
     assert!(std::fs::read(desk.file("a.parquet")).expect("written").starts_with(b"PAR1"));
     assert!(desk.text("take.fused.html").contains("<html"));
 
@@ -153,15 +153,11 @@ fn the_receivers_sequence_is_used_and_checked() {
     let ran = fuse("imu.csv");
     assert_eq!(ran.code, 0, "{}", ran.stderr);
 
-    let cases: [(&str, Box<dyn Fn(f64) -> f64>, &str); 3] = [
-        (
-            "reset.csv",
-            Box::new(|time| if time > 15.0 { gate(time) - 1000.0 } else { gate(time) }),
-            "goes back",
-        ),
-        ("short.csv", Box::new(|time| 0.9 * gate(time)), "counted"),
-        ("late.csv", Box::new(|time| gate(time - 2.0 / 120.0)), "off by"),
-    ];
+    let reset: fn(f64) -> f64 = |time| if time > 15.0 { gate(time) - 1000.0 } else { gate(time) };
+    let short: fn(f64) -> f64 = |time| 0.9 * gate(time);
+    let late: fn(f64) -> f64 = |time| gate(time - 2.0 / 120.0);
+    let cases =
+        [("reset.csv", reset, "goes back"), ("short.csv", short, "counted"), ("late.csv", late, "off by")];
     for (name, frame, word) in cases {
         desk.put(name, imu(&simulation, frame).replace("NaN", ""));
         let ran = fuse(name);
