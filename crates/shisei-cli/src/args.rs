@@ -28,6 +28,8 @@ pub enum Command {
     Apply(Apply),
     /// Write a recording in shisei's own columns, as CSV or Parquet
     Convert(Convert),
+    /// Fill the gaps of an optical take (Motive CSV) from an inertial recording of the same object
+    Fuse(crate::args_fuse::Fuse),
     /// Compute velocity and position with an error band: between rests, or walking with the sensor on a foot
     Motion(Motion),
     /// Allan deviation of all axes: noise, bias instability, how long to average

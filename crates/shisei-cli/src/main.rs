@@ -1,12 +1,14 @@
 //! The `shisei` command: parses, calls, prints. No formula lives here.
 
 mod args;
+mod args_fuse;
 mod args_ja;
 mod args_measure;
 mod batch;
 mod calibration;
 mod cmd;
 mod fail;
+mod fuse_report;
 mod input;
 mod lang;
 mod output;
@@ -70,6 +72,7 @@ fn run(arguments: &[std::ffi::OsString], lang: Lang) -> Outcome<()> {
         Command::Calibrate(args) => cmd::calibrate::run(&args, lang),
         Command::Apply(args) => cmd::apply::run(&args, lang),
         Command::Convert(args) => cmd::convert::run(&args, lang),
+        Command::Fuse(args) => cmd::fuse::run(&args, lang),
         Command::Motion(args) => cmd::motion::run(&args, lang),
         Command::Allan(args) => cmd::allan::run(&args, lang),
         Command::Earth(args) => cmd::earth::run(&args, lang),

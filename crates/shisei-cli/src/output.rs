@@ -25,6 +25,16 @@ pub enum Kind {
     Parquet,
     /// CSV with the motion columns.
     Motion,
+    /// CSV with the fused columns.
+    Fused,
+    /// A take as Motive's CSV: never known to be ours.
+    Motive,
+    /// OpenSim's orientations.
+    Sto,
+    /// OpenSim's motion.
+    Mot,
+    /// Binary glTF.
+    Glb,
     /// Another table: Allan curves, directions.
     Table,
 }
@@ -41,6 +51,11 @@ impl Kind {
             Kind::Table => {
                 head.starts_with(b"axis,tau_s,deviation,") || head.starts_with(b"gyr_x,gyr_y,gyr_z,sigma_x,")
             }
+            Kind::Fused => head.starts_with(b"frame,time_s,p_x,p_y,p_z,q_w,q_x,q_y,q_z,source,gap_s,"),
+            Kind::Motive => false,
+            Kind::Sto => head.starts_with(b"DataRate=") && has("DataType=Quaternion"),
+            Kind::Mot => has("inDegrees=yes") && has("_tx\t"),
+            Kind::Glb => head.starts_with(b"glTF") && has("\"generator\":\"shisei"),
             Kind::Calibration => has("\"shisei-calibration\""),
             Kind::Parquet => head.starts_with(b"PAR1"),
         }

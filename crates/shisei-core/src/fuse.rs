@@ -4,7 +4,7 @@
 //! from the accelerometer ([`crate::sync::lever`]); with the sensor's biases and scales taken out, the bridging
 //! smoother ([`crate::estimator::bridge`]) runs over the whole recording with the optical poses as measurements.
 //! Frames that the cameras saw keep what they saw. In a gap the smoother's motion is taken, shifted by what it is
-//! off at the gap's two ends, from the one linearly to the other, so that nothing jumps.
+//! off beside the gap's two ends, from the one linearly to the other, so that next to nothing jumps.
 
 use alloc::vec::Vec;
 
@@ -28,6 +28,8 @@ const UP_SIGMA_RAD: f64 = 0.0175;
 const LEVER_SIGMA_M: f64 = 0.03;
 /// Poses of neighbouring frames further apart than this many usual steps are not interpolated.
 const NEIGHBOUR_STEPS: f64 = 1.5;
+/// Over so much of sight beside a gap the smoother is compared with the cameras, s.
+const PIN_S: f64 = 0.05;
 /// Inertial samples further apart than this leave a hole, s.
 const HOLE_S: f64 = 0.1;
 
@@ -191,7 +193,7 @@ pub fn fuse(optical: &Optical<'_>, inertial: &Inertial<'_>, settings: &FuseSetti
     let body = Body::new(&sync, lever.as_ref(), settings);
 
     steps.insert(0, step_s);
-    let (acc, gyro) = body.corrected(acc, gyro, &sync, lever.as_ref());
+    let (acc, gyro) = corrected(acc, gyro, &sync, lever.as_ref());
     let seen = Seen::new(optical);
     let measured: Vec<Option<OpticalPose>> =
         time_s.iter().map(|time_s| seen.at(*time_s).map(|pose| body.sensor(&pose))).collect();
@@ -210,7 +212,7 @@ struct Body {
     level: Quaternion,
     up: Vec3,
     gravity_m_s2: f64,
-    body_from_sensor: Quaternion,
+    mounting: Quaternion,
     sensor_m: Vec3,
 }
 
@@ -222,7 +224,7 @@ impl Body {
             level: shortest(up),
             up,
             gravity_m_s2: known.map_or(settings.gravity_m_s2, |lever| lever.gravity_m_s2),
-            body_from_sensor: sync.body_from_sensor,
+            mounting: sync.body_from_sensor,
             sensor_m: lever.map_or([0.0; 3], |lever| lever.sensor_m),
         }
     }
@@ -231,7 +233,7 @@ impl Body {
     fn sensor(&self, pose: &Pose) -> OpticalPose {
         let q = pose.world_from_body;
         OpticalPose {
-            world_from_body: self.level.product(q).product(self.body_from_sensor).normalized(),
+            world_from_body: self.level.product(q).product(self.mounting).normalized(),
             position_m: self.level.rotate(vector::add(pose.position_m, q.rotate(self.sensor_m))),
         }
     }
@@ -239,28 +241,22 @@ impl Body {
     /// The body of a sensor in the level world.
     fn pose(&self, world_from_sensor: Quaternion, position_m: Vec3) -> Pose {
         let back = self.level.conjugate();
-        let q = back.product(world_from_sensor).product(self.body_from_sensor.conjugate()).normalized();
+        let q = back.product(world_from_sensor).product(self.mounting.conjugate()).normalized();
         Pose { position_m: vector::sub(back.rotate(position_m), q.rotate(self.sensor_m)), world_from_body: q }
     }
+}
 
-    /// Readings without what the synchronisation has found: biases, and the gyroscope's scales and misalignment.
-    fn corrected(
-        &self,
-        acc: &[Vec3],
-        gyro: &[Vec3],
-        sync: &Sync,
-        lever: Option<&Lever>,
-    ) -> (Vec<Vec3>, Vec<Vec3>) {
-        let mounting = sync.body_from_sensor;
-        let rate = |reading: &Vec3| {
-            let body = mounting.rotate(vector::sub(*reading, sync.gyro_bias_rad_s));
-            mounting.conjugate().rotate(times_vector(&sync.gyro_matrix, &body))
-        };
-        let known = lever.filter(|lever| lever.sigma_up_rad < UP_SIGMA_RAD);
-        let bias = known.map_or([0.0; 3], |lever| lever.acc_bias_m_s2);
-        let force = |reading: &Vec3| vector::sub(*reading, bias);
-        (acc.iter().map(force).collect(), gyro.iter().map(rate).collect())
-    }
+/// Readings without what the synchronisation has found: biases, and the gyroscope's scales and misalignment.
+fn corrected(acc: &[Vec3], gyro: &[Vec3], sync: &Sync, lever: Option<&Lever>) -> (Vec<Vec3>, Vec<Vec3>) {
+    let mounting = sync.body_from_sensor;
+    let rate = |reading: &Vec3| {
+        let body = mounting.rotate(vector::sub(*reading, sync.gyro_bias_rad_s));
+        mounting.conjugate().rotate(times_vector(&sync.gyro_matrix, &body))
+    };
+    let known = lever.filter(|lever| lever.sigma_up_rad < UP_SIGMA_RAD);
+    let bias = known.map_or([0.0; 3], |lever| lever.acc_bias_m_s2);
+    let force = |reading: &Vec3| vector::sub(*reading, bias);
+    (acc.iter().map(force).collect(), gyro.iter().map(rate).collect())
 }
 
 /// The shortest turn that brings a unit vector to z.
@@ -361,6 +357,26 @@ fn off(seen: &Pose, moved: &Pose) -> (Vec3, Vec3) {
     (turn, vector::sub(seen.position_m, moved.position_m))
 }
 
+/// Mean of what the smoother is off by over the frames that were seen next to a gap.
+fn off_over(
+    frames: impl Iterator<Item = usize>,
+    optical: &Optical<'_>,
+    motion: &Motion<'_>,
+) -> Option<(Vec3, Vec3)> {
+    let (mut turn, mut shift, mut count) = ([0.0; 3], [0.0; 3], 0.0);
+    let mut from_s = None;
+    for frame in frames {
+        let time_s = optical.time_s[frame];
+        let near = (time_s - *from_s.get_or_insert(time_s)).abs() <= PIN_S;
+        let (true, Some(seen), Some(moved)) = (near, optical.poses[frame], motion.at(time_s)) else { break };
+        let (by, along) = off(&seen, &moved.pose);
+        turn = vector::add(turn, by);
+        shift = vector::add(shift, along);
+        count += 1.0;
+    }
+    (count > 0.0).then(|| (vector::scale(turn, 1.0 / count), vector::scale(shift, 1.0 / count)))
+}
+
 fn fill(
     optical: &Optical<'_>,
     motion: &Motion<'_>,
@@ -385,12 +401,9 @@ fn fill(
             continue;
         }
         let end = (first..poses.len()).find(|&k| poses[k].is_some()).unwrap_or(poses.len());
-        let off_at = |frame: Option<usize>| {
-            let frame = frame?;
-            Some(off(&poses.get(frame).copied()??, &motion.at(time_s[frame])?.pose))
-        };
         let before = first.checked_sub(1);
-        let (left, right) = (off_at(before), off_at(Some(end).filter(|end| *end < poses.len())));
+        let left = before.and_then(|last| off_over((0..=last).rev(), optical, motion));
+        let right = off_over(end..poses.len(), optical, motion);
         let from_s = before.map_or(time_s[first], |frame| time_s[frame]);
         let to_s = time_s.get(end).copied().unwrap_or(time_s[end - 1]);
         let length_s = to_s - from_s;

@@ -32,6 +32,7 @@ mod settle;
 pub mod sheet;
 pub mod spresense_stream;
 pub mod stamp;
+pub mod track;
 pub mod units;
 mod words;
 pub mod write;

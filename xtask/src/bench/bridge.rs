@@ -93,11 +93,15 @@ pub fn command(project: &Project, words: &[&str]) -> Result<(), String> {
         };
         println!("\n{title} ({}): RMS degrees / mm in gaps of", chosen.len());
         print!("{:22}", "");
-        LENGTHS_S.iter().for_each(|length| print!(" {length:>13} s"));
+        for length in LENGTHS_S {
+            print!(" {length:>13} s");
+        }
         println!();
         for (way, name) in WAYS.iter().enumerate() {
             print!("{name:22}");
-            (0..LENGTHS_S.len()).for_each(|length| print!(" {:>15}", shown(total(length, way))));
+            for length in 0..LENGTHS_S.len() {
+                print!(" {:>15}", shown(total(length, way)));
+            }
             println!();
         }
         if parity == Some(0) && words.is_empty() {

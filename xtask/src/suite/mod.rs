@@ -4,6 +4,7 @@ mod calc;
 mod core;
 mod device;
 pub mod excel;
+mod optical;
 mod python;
 mod viewer;
 mod wasm;
@@ -30,8 +31,16 @@ pub struct Suite {
 }
 
 /// In the order in which they run.
-const ALL: &[Suite] =
-    &[core::SUITE, calc::SUITE, python::SUITE, excel::SUITE, device::SUITE, wasm::SUITE, viewer::SUITE];
+const ALL: &[Suite] = &[
+    core::SUITE,
+    calc::SUITE,
+    python::SUITE,
+    optical::SUITE,
+    excel::SUITE,
+    device::SUITE,
+    wasm::SUITE,
+    viewer::SUITE,
+];
 
 /// `cargo xtask test …`.
 pub fn command(project: &Project, words: &[&str]) -> ExitCode {

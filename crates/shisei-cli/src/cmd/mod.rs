@@ -8,6 +8,7 @@ pub mod convert;
 pub mod earth;
 mod earth_serial;
 mod earth_text;
+pub mod fuse;
 pub mod info;
 pub mod motion;
 pub mod orient;

@@ -3,6 +3,7 @@
 mod bad_input;
 mod calibration;
 mod dialects;
+mod fuse;
 mod many;
 mod measure;
 mod orientation;

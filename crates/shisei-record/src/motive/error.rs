@@ -65,6 +65,18 @@ pub enum Problem {
     },
     /// Bones were exported relative to their parents.
     LocalBones,
+    /// The frame sequence of an inertial recording starts again.
+    SequenceReset {
+        /// Sample, from 1.
+        sample: usize,
+    },
+    /// The sequence counted another number of frames than the take has.
+    SequenceCount {
+        /// Frames counted by the receiver.
+        counted: u64,
+        /// Total Frames in Take.
+        total: u64,
+    },
 }
 
 /// A problem and its place.
@@ -162,6 +174,14 @@ fn english(problem: &Problem) -> String {
         Problem::LocalBones => "the bones were exported relative to their parents (Coordinate Space Local); \
                                 export the take with Coordinate Space Global"
             .into(),
+        Problem::SequenceReset { sample } => format!(
+            "the frame sequence of the inertial recording goes back at sample {sample}: the receiver's counter was \
+             reset within the take; cut the recording there, or use --sync rates"
+        ),
+        Problem::SequenceCount { counted, total } => format!(
+            "the receiver counted {counted} frames and the take has {total} (Total Frames in Take); the recording \
+             belongs to another take or pulses were lost; choose the right one, or use --sync rates"
+        ),
     }
 }
 
@@ -217,5 +237,13 @@ fn japanese(problem: &Problem) -> String {
                                 Global で書き出してください"
                 .into()
         }
+        Problem::SequenceReset { sample } => format!(
+            "慣性センサの記録のフレーム番号が {sample} サンプル目で戻っています (テイクの途中で受信機のカウンタが\
+             リセットされました)。そこで記録を切るか、--sync rates を使ってください"
+        ),
+        Problem::SequenceCount { counted, total } => format!(
+            "受信機が数えたフレームは {counted}、テイクは {total} (Total Frames in Take) です。別のテイクの記録か、\
+             パルスの欠落です。正しい記録を選ぶか、--sync rates を使ってください"
+        ),
     }
 }

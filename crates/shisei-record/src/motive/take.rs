@@ -114,6 +114,25 @@ impl Take {
         Ok(self.frame.iter().map(|frame| *frame as f64 / rate_hz).collect())
     }
 
+    /// Times of an inertial recording's samples on the take's clock, s, from the frame sequence that a receiver
+    /// counted (the real-valued frame index of each sample; NaN before and after the gate is left as it is).
+    /// Refused: a sequence that goes back, and one whose count is more than two off `Total Frames in Take`.
+    pub fn sequence_s(&self, frame: &[f64]) -> Result<Vec<f64>> {
+        let rate_hz = self.rate_hz()?;
+        let mut last = f64::NEG_INFINITY;
+        for (row, frame) in frame.iter().enumerate().filter(|(_, frame)| frame.is_finite()) {
+            if *frame <= last {
+                return Err(self.refuse(Problem::SequenceReset { sample: row + 1 }));
+            }
+            last = *frame;
+        }
+        let counted = if last.is_finite() && last >= 0.0 { last.ceil() as u64 + 1 } else { 0 };
+        if let Some(total) = self.total_frames().filter(|total| total.abs_diff(counted) > 2) {
+            return Err(self.refuse(Problem::SequenceCount { counted, total }));
+        }
+        Ok(frame.iter().map(|frame| frame / rate_hz).collect())
+    }
+
     /// Units of length in a metre: 1, 100 or 1000; 1 where the first row does not say.
     pub fn lengths_in_m(&self) -> Result<f64> {
         let Some(text) = self.info("Length Units") else { return Ok(1.0) };

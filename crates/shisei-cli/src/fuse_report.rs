@@ -1,0 +1,254 @@
+//! What `shisei fuse` tells: the summary on the terminal and the report page.
+
+use std::fmt::Write as _;
+
+use shisei_core::fuse::{FilledGap, Source};
+use shisei_core::{Lang, Quaternion, vector};
+use shisei_report::attitude::AttitudeView;
+use shisei_report::column::Column;
+use shisei_report::page::{Block, Page};
+use shisei_report::plot::{Axis, Mark, Plot, Series, SpanKind, Tone, spans};
+
+use crate::cmd::fuse::Done;
+use crate::fail::say;
+use crate::summary::padded;
+
+/// Names and values that matter most.
+fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
+    let (fusion, sync) = (&done.fusion, &done.fusion.sync);
+    let count = |source| fusion.frames.iter().filter(|frame| frame.source == source).count();
+    let fact = |en: &str, ja: &str, value: String| (say(lang, en, ja), value);
+    let mut all = vec![
+        fact("Body", "剛体", done.body.name.clone()),
+        fact(
+            "Frames",
+            "フレーム",
+            say(
+                lang,
+                format!(
+                    "{}: {} optical, {} bridged, {} inertial, {} none",
+                    fusion.frames.len(),
+                    count(Source::Optical),
+                    count(Source::Bridged),
+                    count(Source::Inertial),
+                    count(Source::None)
+                ),
+                format!(
+                    "{} (光学 {}、補間 {}、慣性のみ {}、なし {})",
+                    fusion.frames.len(),
+                    count(Source::Optical),
+                    count(Source::Bridged),
+                    count(Source::Inertial),
+                    count(Source::None)
+                ),
+            ),
+        ),
+        fact(
+            "Clock offset (1 σ)",
+            "時刻のずれ (1 σ)",
+            format!("{:.3} ± {:.3} ms", sync.offset_s * 1e3, sync.sigma_offset_s * 1e3),
+        ),
+        fact(
+            "Clock skew (1 σ)",
+            "時計の進み (1 σ)",
+            format!("{:.2} ± {:.2} ppm", sync.skew * 1e6, sync.sigma_skew * 1e6),
+        ),
+        fact(
+            "Common motion",
+            "共通の動き",
+            say(
+                lang,
+                format!(
+                    "{:.3} % of the turning explained, residual {:.2} °/s",
+                    100.0 * sync.explained,
+                    sync.residual_rad_s.to_degrees()
+                ),
+                format!(
+                    "回転の {:.3} % を説明、残差 {:.2} °/s",
+                    100.0 * sync.explained,
+                    sync.residual_rad_s.to_degrees()
+                ),
+            ),
+        ),
+        fact(
+            "Mounting, q sensor → body",
+            "取り付け (センサ → 剛体)",
+            format!(
+                "{} ± {:.3}°",
+                quaternion(sync.body_from_sensor),
+                vector::norm(sync.sigma_mounting_rad).to_degrees()
+            ),
+        ),
+    ];
+    if let Some(lever) = &fusion.lever {
+        let [x, y, z] = lever.sensor_m.map(|value| value * 1e3);
+        let sigma = vector::norm(lever.sigma_m) * 1e3;
+        all.push(fact(
+            "Sensor on the body",
+            "剛体上のセンサ位置",
+            format!("{x:.1}, {y:.1}, {z:.1} mm ± {sigma:.1} mm"),
+        ));
+    }
+    let name = say(lang, "Axes of the results", "出力の座標系");
+    all.push((name, done.to.name().to_owned()));
+    all
+}
+
+fn quaternion(q: Quaternion) -> String {
+    format!("{:.5} {:.5} {:.5} {:.5}", q.w, q.x, q.y, q.z)
+}
+
+fn source(gap: &FilledGap, lang: Lang) -> String {
+    match gap.source {
+        Source::Optical => say(lang, "optical", "光学"),
+        Source::Bridged => say(lang, "bridged", "補間"),
+        Source::Inertial => {
+            say(lang, "inertial: attitude only to be trusted", "慣性のみ: 姿勢だけ信頼できます")
+        }
+        Source::None => say(lang, "none: no inertial samples", "なし: 慣性センサの記録がありません"),
+    }
+}
+
+fn number(value: f64, decimals: usize) -> String {
+    if value.is_finite() { format!("{value:.decimals$}") } else { "–".to_owned() }
+}
+
+/// For the terminal.
+pub fn summary(done: &Done, lang: Lang) -> String {
+    let mut text = String::new();
+    let _ = writeln!(text, "{}", done.take.file);
+    for (name, value) in facts(done, lang) {
+        let _ = writeln!(text, "  {}{value}", padded(&name, 28));
+    }
+    let gaps = &done.fusion.gaps;
+    for gap in gaps.iter().take(12) {
+        let frame = done.take.frame[gap.first];
+        let (deg, mm) = (number(gap.sigma_rad.to_degrees(), 2), number(gap.sigma_m * 1e3, 1));
+        let _ = writeln!(
+            text,
+            "  {}",
+            say(
+                lang,
+                format!(
+                    "gap at frame {frame}: {:.2} s, {}, up to {deg}° and {mm} mm (1 σ)",
+                    gap.length_s,
+                    source(gap, lang)
+                ),
+                format!(
+                    "欠落 フレーム {frame}: {:.2} 秒、{}、最大 {deg}°、{mm} mm (1 σ)",
+                    gap.length_s,
+                    source(gap, lang)
+                ),
+            )
+        );
+    }
+    if gaps.len() > 12 {
+        let more = gaps.len() - 12;
+        let _ =
+            writeln!(text, "  {}", say(lang, format!("and {more} more gaps"), format!("ほか {more} か所")));
+    }
+    for warning in &done.warnings {
+        let _ = writeln!(text, "  {} {warning}", say(lang, "warning:", "注意："));
+    }
+    text
+}
+
+/// The report.
+pub fn page<'a>(done: &'a Done, optical: &str, inertial: &str, lang: Lang) -> Page<'a> {
+    let frames = &done.fusion.frames;
+    let seen = |frame: usize| frames[frame].source == Source::Optical;
+    let column = |value: &dyn Fn(usize) -> f64| Column::Owned((0..frames.len()).map(value).collect());
+    let series = |name: String, tone, y, sigma| Series {
+        name,
+        tone,
+        mark: Mark::Line,
+        y,
+        sigma,
+        factor: 1.0,
+        period: None,
+    };
+    let gaps: Vec<(f64, f64)> = done
+        .fusion
+        .gaps
+        .iter()
+        .map(|gap| (done.time_s[gap.first.saturating_sub(1)], done.time_s[gap.end.min(frames.len() - 1)]))
+        .collect();
+    let plot = |en: &str, ja: &str, unit: &str, series| {
+        let heading = say(lang, en, ja);
+        Plot {
+            description: heading.clone(),
+            x_axis: Axis::linear(&say(lang, "Time", "時刻"), "s"),
+            y_axis: Axis::linear(&heading, unit),
+            heading,
+            x: Column::Slice(&done.time_s),
+            series,
+            spans: spans(&gaps, SpanKind::Gap),
+        }
+    };
+    let position = |only_seen: bool| -> Vec<Series<'a>> {
+        [Tone::X, Tone::Y, Tone::Z]
+            .into_iter()
+            .enumerate()
+            .map(|(axis, tone)| {
+                let value = |row: usize| {
+                    let pose = frames[row].pose.filter(|_| !only_seen || seen(row));
+                    pose.map_or(f64::NAN, |pose| pose.position_m[axis])
+                };
+                let sigma = (!only_seen)
+                    .then(|| column(&|row| if seen(row) { f64::NAN } else { frames[row].sigma_m }));
+                series(["x", "y", "z"][axis].to_owned(), tone, column(&value), sigma)
+            })
+            .collect()
+    };
+    let errors = vec![
+        series(
+            say(lang, "attitude (degrees)", "姿勢 (度)"),
+            Tone::X,
+            column(&|row| frames[row].sigma_rad.to_degrees()),
+            None,
+        ),
+        series(
+            say(lang, "position (cm)", "位置 (cm)"),
+            Tone::Z,
+            column(&|row| frames[row].sigma_m * 100.0),
+            None,
+        ),
+    ];
+    let rows = done.fusion.gaps.iter().map(|gap| {
+        vec![
+            done.take.frame[gap.first].to_string(),
+            (gap.end - gap.first).to_string(),
+            format!("{:.3}", gap.length_s),
+            source(gap, lang),
+            number(gap.sigma_rad.to_degrees(), 2),
+            number(gap.sigma_m * 1e3, 1),
+        ]
+    });
+    let head = match lang {
+        Lang::En => {
+            ["First frame", "Frames", "Length, s", "Filled by", "Attitude, ° (1 σ)", "Position, mm (1 σ)"]
+        }
+        Lang::Ja => {
+            ["最初のフレーム", "フレーム数", "長さ [秒]", "補った方法", "姿勢 [°] (1 σ)", "位置 [mm] (1 σ)"]
+        }
+    };
+    Page {
+        lang,
+        title: say(lang, "Optical and inertial together", "光学計測と慣性計測の統合"),
+        sources: vec![optical.to_owned(), inertial.to_owned()],
+        facts: facts(done, lang),
+        warnings: done.warnings.clone(),
+        plots: vec![
+            plot("Position as the cameras saw it", "光学計測の位置 (補間前)", "m", position(true)),
+            plot("Position without holes", "欠落を補った位置", "m", position(false)),
+            plot("Expected error (1 σ)", "予想誤差 (1 σ)", "", errors),
+        ],
+        attitude: Some(AttitudeView { time_s: &done.time_s, world_from_body: &done.attitude }),
+        blocks: vec![Block::Table {
+            heading: say(lang, "Gaps", "欠落区間"),
+            head: head.map(str::to_owned).to_vec(),
+            rows: rows.collect(),
+        }],
+        generator: format!("shisei {}", env!("CARGO_PKG_VERSION")),
+    }
+}

@@ -1,0 +1,191 @@
+//! `shisei fuse` on simulated takes: the simulator's Motive writer and its sensor.
+
+use shisei_core::frames::Axes;
+use shisei_core::{Quaternion, vector};
+use shisei_twin::motive::{Body, Style, csv};
+use shisei_twin::optics::{Cameras, Frame, Rig, film};
+use shisei_twin::simulate::{Errors, Settings, simulate};
+use shisei_twin::{Sensor, Simulation, movements};
+
+use crate::run::Desk;
+
+/// A tool that is lost twice, and the recording of its sensor.
+fn take(seed: u64) -> (Vec<Frame>, Simulation) {
+    let rig = Rig {
+        body_from_sensor: Quaternion::from_rotation_vector([0.5, -1.2, 0.8]),
+        sensor_m: [0.03, -0.02, 0.05],
+        markers_m: Vec::new(),
+    };
+    let motion = movements::wander(seed, 3.0, 32.0);
+    let settings = Settings { errors: Errors::DrawnAligned, ..Settings::new(200.0, seed) };
+    let cameras = Cameras {
+        offset_s: 2.3,
+        lost_s: vec![(10.0, 11.0), (18.0, 20.0)],
+        ..Cameras::new(120.0, 32.0, seed)
+    };
+    (film(&motion, &rig, &cameras), simulate(&motion, &Sensor::lsm6ds3tr_c(), &settings))
+}
+
+fn motive(frames: &[Frame], style: &Style) -> String {
+    csv(&[Body { name: "Tool", bone: false, parent: "", frames, markers: false }], 120.0, style)
+}
+
+fn imu(simulation: &Simulation, frame: impl Fn(f64) -> f64) -> String {
+    let mut text = String::from("time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z,frame\n");
+    for sample in &simulation.samples {
+        let ([ax, ay, az], [gx, gy, gz]) = (sample.acc_m_s2, sample.gyro_rad_s);
+        let frame = frame(sample.time_s);
+        text.push_str(&format!("{},{ax},{ay},{az},{gx},{gy},{gz},{frame}\n", sample.time_s));
+    }
+    text
+}
+
+/// Frames from 0 at 2.3 s; nothing before the gate opens or after it closes.
+fn gate(time_s: f64) -> f64 {
+    let frame = (time_s - 2.3) * 120.0;
+    if (0.0..=3840.0).contains(&frame) { frame } else { f64::NAN }
+}
+
+fn desk(frames: &[Frame], simulation: &Simulation) -> Desk {
+    let desk = Desk::new();
+    desk.put("take.csv", motive(frames, &Style::default()));
+    desk.put("imu.csv", imu(simulation, gate).replace("NaN", ""));
+    desk
+}
+
+#[test]
+fn a_take_is_filled_and_written_in_every_format() {
+    let (frames, simulation) = take(1);
+    let desk = desk(&frames, &simulation);
+    let ran = desk.run(&[
+        "fuse",
+        "take.csv",
+        "imu.csv",
+        "--json",
+        "-o",
+        "a.csv",
+        "-o",
+        "a.parquet",
+        "-o",
+        "a.sto",
+        "-o",
+        "a.mot",
+        "-o",
+        "a.glb",
+        "--motive",
+        "filled.csv",
+    ]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let json: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one object");
+    assert_eq!(json["gaps"].as_array().map(Vec::len), Some(2));
+    assert_eq!((json["none"].as_u64(), json["inertial"].as_u64()), (Some(0), Some(0)));
+    // the readings count for the step before them: half a step of 5 ms
+    let offset_s = json["offset_s"].as_f64().expect("a number");
+    assert!((offset_s - (2.3 - 0.0025)).abs() < 5e-4, "{offset_s}");
+
+    let text = desk.text("a.csv");
+    let mut lines = text.lines();
+    assert_eq!(
+        lines.next(),
+        Some("frame,time_s,p_x,p_y,p_z,q_w,q_x,q_y,q_z,source,gap_s,sigma_deg,sigma_mm,axes")
+    );
+    for (line, frame) in lines.zip(&frames) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let p = [2, 3, 4].map(|k| cells[k].parse::<f64>().expect("a number"));
+        let truth = Axes::ZUp.to(Axes::YUp).vector(frame.truth.position_m);
+        assert!(vector::norm(vector::sub(p, truth)) < 0.02, "{line}");
+        assert_eq!(cells[9], if frame.pose.is_some() { "optical" } else { "bridged" });
+        assert_eq!(cells[13], "y-up");
+    }
+    let sto = desk.text("a.sto");
+    assert!(sto.starts_with("DataRate=120.000000\nDataType=Quaternion\nversion=3\n"), "{sto:.200}");
+    assert_eq!(sto.lines().skip_while(|line| *line != "endheader").count(), frames.len() + 2);
+    assert!(sto.contains("\ntime\tTool\n0\t"));
+    let mot = desk.text("a.mot");
+    assert!(mot.contains(&format!("nRows={}\nnColumns=7\n", frames.len())), "{mot:.200}");
+    let glb = std::fs::read(desk.file("a.glb")).expect("written");
+    assert!(glb.starts_with(b"glTF") && glb.len().is_multiple_of(4));
+    assert!(std::fs::read(desk.file("a.parquet")).expect("written").starts_with(b"PAR1"));
+    assert!(desk.text("take.fused.html").contains("<html"));
+
+    // the filled take has no holes and can be fused again
+    let bytes = std::fs::read(desk.file("filled.csv")).expect("written");
+    let take =
+        shisei_record::motive::read(&shisei_record::Input { name: "filled", bytes: &bytes }).expect("a take");
+    let body = take.body(None).expect("one body");
+    assert!((0..take.len()).all(|row| take.pose(&body, row).is_some()));
+    let again = desk.run(&["fuse", "take.csv", "imu.csv", "--motive", "filled.csv"]);
+    assert_eq!(again.code, 2, "a take is not overwritten: {}", again.stderr);
+}
+
+#[test]
+fn the_world_can_be_chosen_and_japanese_is_spoken() {
+    let (frames, simulation) = take(2);
+    let desk = desk(&frames, &simulation);
+    let ran = desk.run(&[
+        "--lang",
+        "ja",
+        "fuse",
+        "take.csv",
+        "imu.csv",
+        "--axes",
+        "z-up",
+        "-o",
+        "z.csv",
+        "--no-report",
+    ]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert!(ran.stderr.contains("欠落 フレーム 1200"), "{}", ran.stderr);
+    let text = desk.text("z.csv");
+    let cells: Vec<&str> = text.lines().nth(1).expect("a row").split(',').collect();
+    for (axis, expected) in frames[0].truth.position_m.iter().enumerate() {
+        assert!((cells[2 + axis].parse::<f64>().expect("a number") - expected).abs() < 0.002);
+    }
+    assert_eq!(cells[13], "z-up");
+}
+
+#[test]
+fn the_receivers_sequence_is_used_and_checked() {
+    let (frames, simulation) = take(3);
+    let desk = desk(&frames, &simulation);
+    let fuse =
+        |imu: &str| desk.run(&["fuse", "take.csv", imu, "--sync", "sequence", "--no-report", "-o", "a.csv"]);
+    let ran = fuse("imu.csv");
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+
+    let reset: fn(f64) -> f64 = |time| if time > 15.0 { gate(time) - 1000.0 } else { gate(time) };
+    let short: fn(f64) -> f64 = |time| 0.9 * gate(time);
+    let late: fn(f64) -> f64 = |time| gate(time - 2.0 / 120.0);
+    let cases =
+        [("reset.csv", reset, "goes back"), ("short.csv", short, "counted"), ("late.csv", late, "off by")];
+    for (name, frame, word) in cases {
+        desk.put(name, imu(&simulation, frame).replace("NaN", ""));
+        let ran = fuse(name);
+        assert_eq!(ran.code, 1, "{name}: {}", ran.stderr);
+        assert!(ran.stderr.contains(word) && ran.stderr.contains("--sync rates"), "{}", ran.stderr);
+    }
+    desk.put("none.csv", imu(&simulation, gate).replace("frame", "other"));
+    let ran = fuse("none.csv");
+    assert_eq!(ran.code, 2);
+    assert!(ran.stderr.contains("no column frame"), "{}", ran.stderr);
+}
+
+#[test]
+fn what_does_not_belong_together_is_refused_and_leaves_nothing() {
+    let (frames, _) = take(4);
+    let (_, stranger) = take(5);
+    let desk = desk(&frames, &stranger);
+    let before = desk.names();
+    let ran = desk.run(&["fuse", "take.csv", "imu.csv"]);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("no common motion") && ran.stderr.contains("same object"), "{}", ran.stderr);
+    let ran = desk.run(&["fuse", "imu.csv", "imu.csv"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.stderr.contains("Motive"), "{}", ran.stderr);
+    let ran = desk.run(&["fuse", "take.csv", "imu.csv", "--body", "Hand"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.stderr.contains("Tool"), "{}", ran.stderr);
+    let ran = desk.run(&["fuse", "take.csv", "imu.csv", "-o", "a.xyz"]);
+    assert_eq!(ran.code, 2);
+    assert_eq!(desk.names(), before);
+}

@@ -1,0 +1,36 @@
+//! Files for other programs, held against those programs' own checks.
+
+use super::Suite;
+use crate::needs::{Apt, Needs};
+use crate::project::Project;
+use crate::run::{Run, must};
+
+pub const SUITE: Suite = Suite {
+    name: "optical",
+    about: "moving bodies as glTF, by Khronos' validator",
+    needs: |_| Needs {
+        apt: vec![Apt::program("nodejs", "node"), Apt::program("npm", "npm")],
+        npm: vec!["gltf-validator@2.0.0-dev.3.10"],
+        ..Needs::default()
+    },
+    wants: |_| Needs::default(),
+    run,
+};
+
+fn run(run: &mut Run<'_>) {
+    let project = run.project;
+    let folder = project.target().join("tracks");
+    if let Err(reason) = write(project, &folder) {
+        return run.fail("tracks", &reason);
+    }
+    let mut node = project.command("node");
+    node.arg("crates/shisei-record/tests/validate_gltf.mjs").arg(project.target().join("npm/node_modules"));
+    node.args([folder.join("tool.glb"), folder.join("nothing.glb")]);
+    run.step("glTF validator", &mut node);
+}
+
+fn write(project: &Project, folder: &std::path::Path) -> Result<(), String> {
+    std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let mut cargo = project.cargo();
+    must(cargo.args(["run", "--quiet", "-p", "shisei-record", "--example", "tracks"]).arg(folder))
+}
