@@ -36,6 +36,12 @@ pub enum Command {
     Allan(Allan),
     /// Measure the Earth's rotation: the day, the latitude, true north
     Earth(Earth),
+    /// List serial ports, receivers and their nodes; find, name and set nodes
+    Devices(crate::args_live::Devices),
+    /// Record what a receiver sends
+    Record(crate::args_live::Record),
+    /// Simulate what is not at hand
+    Simulate(crate::args_live::Simulate),
 }
 
 /// How to read the input where it does not say so itself.

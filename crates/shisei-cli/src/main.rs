@@ -3,6 +3,7 @@
 mod args;
 mod args_fuse;
 mod args_ja;
+mod args_live;
 mod args_measure;
 mod batch;
 mod calibration;
@@ -76,6 +77,9 @@ fn run(arguments: &[std::ffi::OsString], lang: Lang) -> Outcome<()> {
         Command::Motion(args) => cmd::motion::run(&args, lang),
         Command::Allan(args) => cmd::allan::run(&args, lang),
         Command::Earth(args) => cmd::earth::run(&args, lang),
+        Command::Devices(args) => cmd::devices::run(&args, lang),
+        Command::Record(args) => cmd::record::run(&args, lang),
+        Command::Simulate(args) => cmd::simulate::run(&args, lang),
     }
 }
 

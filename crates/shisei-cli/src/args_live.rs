@@ -1,0 +1,98 @@
+//! The command line of `devices`, `record` and `simulate`.
+
+use std::path::PathBuf;
+
+use clap::{Args, Subcommand};
+
+#[derive(Args, Debug)]
+pub struct Devices {
+    /// Serial ports to ask; without any, receivers are looked for on USB
+    #[arg(value_name = "PORT")]
+    pub ports: Vec<String>,
+    /// Let a node blink for ten seconds: its number, or all
+    #[arg(long, value_name = "NODE")]
+    pub identify: Option<String>,
+    /// Let a node find its gyroscope bias anew; it must lie still for two seconds
+    #[arg(long, value_name = "NODE")]
+    pub recalibrate: Option<String>,
+    /// Give a node a name of at most 20 bytes, e.g. 0=left-hand
+    #[arg(long, value_name = "NODE=NAME")]
+    pub rename: Option<String>,
+    /// Set a node: filter (complementary or estimator), samples a packet, °/s, g, e.g. 0=estimator,4,2000,8
+    #[arg(long, value_name = "NODE=FILTER,N,DPS,G")]
+    pub configure: Option<String>,
+    /// One JSON object on standard output
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Record {
+    /// The receiver's serial port; a file of its bytes works as well
+    #[arg(required = true, value_name = "PORT")]
+    pub port: String,
+    /// Where the recording goes
+    #[arg(short, long, value_name = "TAKE.mcap", required = true)]
+    pub output: PathBuf,
+    /// Stop after so many seconds (default: Ctrl-C stops)
+    #[arg(long = "for", value_name = "S")]
+    pub for_s: Option<f64>,
+    /// How long to wait for a port that was unplugged to come back, s
+    #[arg(long, value_name = "S", default_value_t = 60.0)]
+    pub wait: f64,
+    /// Overwrite an existing file
+    #[arg(long)]
+    pub force: bool,
+    /// One JSON object on standard output: what was recorded
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Simulate {
+    #[command(subcommand)]
+    pub what: Simulated,
+}
+
+#[derive(Debug, Subcommand)]
+pub enum Simulated {
+    /// Nodes, radio, camera pulses and a receiver whose serial port can be used like a real one
+    Lab(Lab),
+}
+
+#[derive(Args, Debug)]
+pub struct Lab {
+    /// How many nodes, 1 to 6
+    #[arg(long, value_name = "N", default_value_t = 2)]
+    pub nodes: usize,
+    /// Seed of all that is random
+    #[arg(long, value_name = "SEED", default_value_t = 1)]
+    pub seed: u64,
+    /// Camera frames a second
+    #[arg(long, value_name = "HZ", default_value_t = 120.0)]
+    pub camera_rate: f64,
+    /// When the recording gate rises, s (default: no gate)
+    #[arg(long, value_name = "S")]
+    pub gate: Option<f64>,
+    /// Share of connection events that are missed, 0 to 1
+    #[arg(long, value_name = "SHARE", default_value_t = 0.02)]
+    pub missed: f64,
+    /// Deviation of anchor points, µs
+    #[arg(long, value_name = "US", default_value_t = 1.0)]
+    pub jitter: f64,
+    /// Largest skew of a clock, ppm
+    #[arg(long, value_name = "PPM", default_value_t = 40.0)]
+    pub skew: f64,
+    /// A node out of reach, NODE:FROM:TO in seconds; may be repeated
+    #[arg(long, value_name = "NODE:FROM:TO")]
+    pub outage: Vec<String>,
+    /// A node that restarts, NODE:AT in seconds; may be repeated
+    #[arg(long, value_name = "NODE:AT")]
+    pub reboot: Vec<String>,
+    /// Stop after so many seconds (default: Ctrl-C stops; 60 with -o)
+    #[arg(long = "for", value_name = "S")]
+    pub for_s: Option<f64>,
+    /// Write the receiver's bytes to a file, faster than real time, instead of offering a port
+    #[arg(short, long, value_name = "BYTES")]
+    pub output: Option<PathBuf>,
+}

@@ -1,0 +1,236 @@
+//! `shisei devices`: serial ports, receivers and their nodes, and commands to nodes.
+
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+use shisei_core::Lang;
+use shisei_hub::session::NodeInfo;
+use shisei_hub::{Item, Session};
+use shisei_wire::frame::FRAME_MAX;
+use shisei_wire::message::{Command, EventCode, Hello, MESSAGE_MAX, NO_NODE, Settings};
+use shisei_wire::packet::FilterKind;
+use shisei_wire::{AccRange, GyroRange, Message, encode_frame};
+
+use super::live::{Feed, Got, no_port};
+use crate::args_live::Devices;
+use crate::fail::{Failure, Outcome, say};
+
+/// How long a receiver may take to answer.
+const PATIENCE: Duration = Duration::from_millis(2500);
+/// Nodes are told in one go; so long after the first word there is no more.
+const AFTER: Duration = Duration::from_millis(300);
+/// How our receivers call themselves on USB.
+const PRODUCT: &str = "shisei";
+
+/// Runs the command.
+pub fn run(args: &Devices, lang: Lang) -> Outcome<()> {
+    let commands = commands(args, lang)?;
+    let listed = serialport::available_ports().unwrap_or_default();
+    let mut ports = Vec::new();
+    let mut ours: Vec<String> = args.ports.clone();
+    for port in &listed {
+        let usb = match &port.port_type {
+            serialport::SerialPortType::UsbPort(usb) => Some(usb),
+            _ => None,
+        };
+        let product = usb.and_then(|usb| usb.product.clone()).unwrap_or_default();
+        if args.ports.is_empty() && product.contains(PRODUCT) {
+            ours.push(port.port_name.clone());
+        }
+        let id = usb.map(|usb| format!("{:04x}:{:04x}", usb.vid, usb.pid));
+        ports.push(json!({"port": port.port_name, "usb": id, "product": product}));
+    }
+    if ours.is_empty() && !commands.is_empty() {
+        return Err(Failure::input(say(
+            lang,
+            "no receiver was found; name its port",
+            "レシーバが見つかりません。ポートを指定してください",
+        )));
+    }
+    let mut receivers = Vec::new();
+    for name in &ours {
+        receivers.push((name.clone(), ask(name, &commands, lang)?));
+    }
+    if args.json {
+        let told: Vec<_> = receivers.iter().map(|(name, answer)| answer.json(name)).collect();
+        println!("{}", json!({"ports": ports, "receivers": told}));
+        return Ok(());
+    }
+    if args.ports.is_empty() {
+        for port in &ports {
+            let text = |key: &str| port[key].as_str().unwrap_or_default().to_owned();
+            println!("{}  {} {}", text("port"), text("usb"), text("product"));
+        }
+        if ports.is_empty() {
+            println!("{}", say(lang, "no serial ports", "シリアルポートがありません"));
+        }
+    }
+    for (name, answer) in &receivers {
+        print!("{}", answer.text(name, lang));
+    }
+    Ok(())
+}
+
+#[derive(Default)]
+struct Answer {
+    hello: Option<Hello>,
+    nodes: Vec<NodeInfo>,
+    refused: bool,
+}
+
+impl Answer {
+    fn json(&self, port: &str) -> serde_json::Value {
+        let version = |firmware: [u8; 3]| firmware.map(|part| part.to_string()).join(".");
+        let nodes: Vec<_> = self
+            .nodes
+            .iter()
+            .map(|node| {
+                json!({
+                    "node": node.node, "name": node.name, "address": node.address, "connected": node.connected,
+                    "battery_mv": node.battery_mv, "firmware": version(node.firmware),
+                    "temperature_c": node.temperature_centi_c.map(|t| f64::from(t) / 100.0),
+                })
+            })
+            .collect();
+        json!({
+            "port": port, "firmware": self.hello.map(|hello| version(hello.firmware)),
+            "dropped_frames": self.hello.map(|hello| hello.dropped), "gate_seen": self.hello.map(|h| h.gate_seen),
+            "nodes": nodes,
+        })
+    }
+
+    fn text(&self, port: &str, lang: Lang) -> String {
+        let Some(hello) = self.hello else { return String::new() };
+        let [major, minor, patch] = hello.firmware;
+        let dropped = hello.dropped;
+        let mut text = say(
+            lang,
+            format!("{port}: receiver {major}.{minor}.{patch}, {dropped} frames dropped\n"),
+            format!("{port}：レシーバ {major}.{minor}.{patch}、破棄 {dropped} フレーム\n"),
+        );
+        for node in &self.nodes {
+            let state = match node.connected {
+                true => say(lang, "connected", "接続中"),
+                false => say(lang, "away", "未接続"),
+            };
+            let temperature = node
+                .temperature_centi_c
+                .map(|t| format!(", {:.1} °C", f64::from(t) / 100.0))
+                .unwrap_or_default();
+            let volts = f64::from(node.battery_mv) / 1000.0;
+            text += &format!(
+                "  {} {} {}  {state}, {volts:.2} V{temperature}\n",
+                node.node, node.address, node.name
+            );
+        }
+        if self.nodes.is_empty() {
+            text += &say(lang, "  no nodes\n", "  ノードはありません\n");
+        }
+        text
+    }
+}
+
+/// Sends the commands, asks, and hears the answer.
+fn ask(name: &str, commands: &[Command<'_>], lang: Lang) -> Outcome<Answer> {
+    let failed = |error: &io::Error| no_port(name, error, lang);
+    let mut feed = Feed::open(name).map_err(|error| failed(&error))?;
+    if let Feed::Port(port) = &mut feed {
+        for command in commands.iter().chain([&Command::Ask]) {
+            let (mut bytes, mut frame) = ([0; MESSAGE_MAX], [0; FRAME_MAX]);
+            let framed = Message::Command(*command)
+                .encode(&mut bytes)
+                .and_then(|length| encode_frame(bytes.get(..length).unwrap_or_default(), &mut frame));
+            let length = framed.map_err(|_| wrong_command(lang))?;
+            port.write_all(frame.get(..length).unwrap_or_default()).map_err(|error| failed(&error))?;
+        }
+    }
+    let (mut session, mut answer, mut items) = (Session::default(), Answer::default(), Vec::new());
+    let asked = Instant::now();
+    let mut heard: Option<Instant> = None;
+    let mut bytes = [0; 4096];
+    while asked.elapsed() < PATIENCE && heard.is_none_or(|at| at.elapsed() < AFTER) {
+        match feed.read(&mut bytes).map_err(|error| failed(&error))? {
+            Got::Bytes(count) => session.push(bytes.get(..count).unwrap_or_default(), &mut items),
+            Got::Nothing => {}
+            Got::End => break,
+        }
+        for item in items.drain(..) {
+            match item {
+                Item::Hello(hello) => {
+                    answer.hello = Some(hello);
+                    heard.get_or_insert_with(Instant::now);
+                }
+                Item::Node(node) => {
+                    answer.nodes.retain(|known| known.node != node.node);
+                    answer.nodes.push(node);
+                }
+                Item::Event(event) if event.code == EventCode::BadCommand => answer.refused = true,
+                _ => {}
+            }
+        }
+    }
+    if answer.hello.is_none() {
+        return Err(Failure::condition(say(
+            lang,
+            format!("{name} does not answer like a receiver; is it the right port?"),
+            format!("{name} からレシーバの応答がありません。ポートを確認してください"),
+        )));
+    }
+    if answer.refused {
+        return Err(Failure::condition(say(
+            lang,
+            format!("{name}: the receiver did not take the command; is that node connected?"),
+            format!("{name}：コマンドが受け付けられませんでした。そのノードが接続中か確認してください"),
+        )));
+    }
+    answer.nodes.sort_by_key(|node| node.node);
+    Ok(answer)
+}
+
+fn wrong_command(lang: Lang) -> Failure {
+    Failure::input(say(
+        lang,
+        "a command to a node is wrong: NODE is a number from 0 or all; a name has at most 20 bytes; settings are \
+         FILTER,N,DPS,G, e.g. 0=estimator,4,2000,8",
+        "ノードへのコマンドが正しくありません。NODE は 0 からの番号または all、名前は 20 バイト以内、設定は FILTER,N,DPS,G (例: 0=estimator,4,2000,8) です",
+    ))
+}
+
+fn commands(args: &Devices, lang: Lang) -> Outcome<Vec<Command<'_>>> {
+    read_commands(args).ok_or_else(|| wrong_command(lang))
+}
+
+fn read_commands(args: &Devices) -> Option<Vec<Command<'_>>> {
+    let mut commands = Vec::new();
+    if let Some(node) = &args.identify {
+        commands.push(Command::Identify(place(node)?));
+    }
+    if let Some(node) = &args.recalibrate {
+        commands.push(Command::Calibrate(place(node)?));
+    }
+    if let Some(text) = &args.rename {
+        let (node, name) = text.split_once('=')?;
+        commands.push(Command::Rename(place(node)?, name));
+    }
+    if let Some(text) = &args.configure {
+        let (node, settings) = text.split_once('=')?;
+        let parts: Vec<&str> = settings.split(',').collect();
+        let [filter, batch, dps, g] = *parts else { return None };
+        let filter = match filter {
+            "complementary" => FilterKind::Complementary,
+            "estimator" => FilterKind::Estimator,
+            _ => return None,
+        };
+        let (dps, g) = (dps.parse::<u16>().ok()?, g.parse::<u16>().ok()?);
+        let gyro_range = GyroRange::ALL.into_iter().find(|range| range.degrees_per_second() == dps)?;
+        let acc_range = AccRange::ALL.into_iter().find(|range| range.g() == g)?;
+        let settings = Settings { filter, batch: batch.parse().ok()?, gyro_range, acc_range };
+        commands.push(Command::Configure(place(node)?, settings));
+    }
+    Some(commands)
+}
+
+fn place(text: &str) -> Option<u8> {
+    if text == "all" { Some(NO_NODE) } else { text.parse().ok().filter(|place| *place < NO_NODE) }
+}
