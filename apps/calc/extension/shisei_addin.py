@@ -111,6 +111,8 @@ def make(entry):
             # the series comes first, or after the initial attitude
             rows = [r for (_, r, c), a in zip(ranges, [a for a in args if a[1] == "range"]) if a[0] != "qInitial"]
             return rows[0], size
+        if kind == "rows":  # at most
+            return ranges[0][1], size
         if kind == "first":
             return ranges[0][1], ranges[0][2]
         return (1, 1) if kind == "number" else divmod(size, 1000)
@@ -140,7 +142,7 @@ def make(entry):
         if kind == "table":
             flat = iter([NOT_AVAILABLE if x != x else x for x in out])
         else:
-            flat = iter(out)
+            flat = iter(out[:code] if kind == "rows" else out)
         return tuple(zip(*[flat] * cols))
 
     return call

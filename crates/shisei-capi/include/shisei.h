@@ -514,6 +514,25 @@ int32_t EstimateYawPitchRollSeries(const double *gyro, int32_t gyro_rows, int32_
 int32_t GetSphereFit(const double *points, int32_t points_rows, int32_t points_cols, double *out, int32_t
     out_len);
 
+/* Overlapping Allan deviation of one axis at rest: how much averaging helps. Averaging times are ten
+ * a decade, up to a third of the recording, each with its 68 % interval; plot both axes
+ * logarithmically. (worksheet: AllanDev)
+ *   data, N×1: N×1, one axis at rest in any unit, without gaps
+ *   dt [s], 1×1: time from row to row
+ *   -> K×4: averaging time s; deviation; lower and upper end of its 68 % interval, in the unit of the data */
+int32_t GetAllanDeviation(const double *data, int32_t data_rows, int32_t data_cols, double dt, double
+    *out, int32_t out_len);
+
+/* The Earth's rotation from mean rates in several directions, with standard errors, by the fit that
+ * the directions allow; #N/A where they determine nothing. FitSphere gives the plain sphere. (worksheet: EarthRate)
+ *   means [(m/s²,) rad/s], N×3, N×6: N×3: mean gyroX, Y, Z, one direction a row; N×6: mean accX, Y, Z
+ *     before them
+ *   latitudeRad [rad], 1×1: latitude of the place, north positive; 0: not known; NaN: 0
+ *   -> 4×2: rows: rate rad/s, its horizontal part rad/s, latitude rad, sidereal day h; columns: value,
+ * standard error */
+int32_t GetEarthRate(const double *means, int32_t means_rows, int32_t means_cols, double latitudeRad,
+    double *out, int32_t out_len);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1157,3 +1157,39 @@ pub unsafe extern "C" fn GetSphereFit(
     // SAFETY: the caller keeps the contract of shisei.h
     unsafe { call(51, &raw, out, out_len) }
 }
+
+/// AllanDev: Overlapping Allan deviation of one axis at rest: how much averaging helps. Averaging times are ten a decade, up to a third of the recording, each with its 68 % interval; plot both axes logarithmically.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn GetAllanDeviation(
+    data: *const f64,
+    data_rows: i32,
+    data_cols: i32,
+    dt: f64,
+    out: *mut f64,
+    out_len: i32,
+) -> i32 {
+    let raw = [
+        Raw::Range(data, data_rows, data_cols),
+        Raw::Number(dt),
+    ];
+    // SAFETY: the caller keeps the contract of shisei.h
+    unsafe { call(52, &raw, out, out_len) }
+}
+
+/// EarthRate: The Earth's rotation from mean rates in several directions, with standard errors, by the fit that the directions allow; #N/A where they determine nothing. FitSphere gives the plain sphere.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn GetEarthRate(
+    means: *const f64,
+    means_rows: i32,
+    means_cols: i32,
+    latitudeRad: f64,
+    out: *mut f64,
+    out_len: i32,
+) -> i32 {
+    let raw = [
+        Raw::Range(means, means_rows, means_cols),
+        Raw::Number(latitudeRad),
+    ];
+    // SAFETY: the caller keeps the contract of shisei.h
+    unsafe { call(53, &raw, out, out_len) }
+}

@@ -298,6 +298,14 @@ Private Declare PtrSafe Function c_EstimateYawPitchRollSeries Lib "shisei.dll" A
 Private Declare PtrSafe Function c_GetSphereFit Lib "shisei.dll" Alias "GetSphereFit" ( _
     ByRef p_points As Double, ByVal p_points_rows As Long, ByVal p_points_cols As Long, _
     ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_GetAllanDeviation Lib "shisei.dll" Alias "GetAllanDeviation" ( _
+    ByRef p_data As Double, ByVal p_data_rows As Long, ByVal p_data_cols As Long, _
+    ByVal p_dt As Double, _
+    ByRef result As Double, ByVal result_len As Long) As Long
+Private Declare PtrSafe Function c_GetEarthRate Lib "shisei.dll" Alias "GetEarthRate" ( _
+    ByRef p_means As Double, ByVal p_means_rows As Long, ByVal p_means_cols As Long, _
+    ByVal p_latitudeRad As Double, _
+    ByRef result As Double, ByVal result_len As Long) As Long
 
 Private Const KIND_NUMBERS As Long = 0, KIND_TRUTH As Long = 1, KIND_GAPS As Long = 2
 
@@ -1567,4 +1575,35 @@ Public Function FitSphere(ByVal p_points As Variant) As Variant
     ReDim result(0 To MaxLong(1 * 4, 1) - 1)
     n = c_GetSphereFit(a0(0), r0, c0, result(0), UBound(result) + 1)
     FitSphere = FromCells(n, result, 1, 4, KIND_NUMBERS)
+End Function
+
+' Overlapping Allan deviation of one axis at rest: how much averaging helps. Averaging times are ten a decade, up to a third of the recording, each with its 68 % interval; plot both axes logarithmically.
+Public Function AllanDev(ByVal p_data As Variant, _
+    ByVal p_dt As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_data, a0, r0, c0, failed) Then AllanDev = failed: Exit Function
+    Dim x1 As Double
+    If True Then
+        If Not ToNumber(p_dt, x1, failed) Then AllanDev = failed: Exit Function
+    End If
+    ReDim result(0 To MaxLong(r0 * 4, 1) - 1)
+    n = c_GetAllanDeviation(a0(0), r0, c0, x1, result(0), UBound(result) + 1)
+    AllanDev = FromCells(n, result, n \ 4, 4, KIND_NUMBERS)
+End Function
+
+' The Earth's rotation from mean rates in several directions, with standard errors, by the fit that the directions allow; #N/A where they determine nothing. FitSphere gives the plain sphere.
+Public Function EarthRate(ByVal p_means As Variant, _
+    Optional ByVal p_latitudeRad As Variant) As Variant
+    Dim failed As Variant, result() As Double, n As Long
+    Dim a0() As Double, r0 As Long, c0 As Long
+    If Not ToCells(p_means, a0, r0, c0, failed) Then EarthRate = failed: Exit Function
+    Dim x1 As Double
+    x1 = 0.0
+    If Not IsMissing(p_latitudeRad) Then
+        If Not ToNumber(p_latitudeRad, x1, failed) Then EarthRate = failed: Exit Function
+    End If
+    ReDim result(0 To MaxLong(4 * 2, 1) - 1)
+    n = c_GetEarthRate(a0(0), r0, c0, x1, result(0), UBound(result) + 1)
+    EarthRate = FromCells(n, result, 4, 2, KIND_GAPS)
 End Function

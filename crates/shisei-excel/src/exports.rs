@@ -316,3 +316,15 @@ pub unsafe extern "system" fn xl_FitSphere(points: Argument) -> *mut Xloper12 {
     // SAFETY: Excel passes values of its own
     unsafe { call(51, &[points]) }
 }
+
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn xl_AllanDev(data: Argument, dt: Argument) -> *mut Xloper12 {
+    // SAFETY: Excel passes values of its own
+    unsafe { call(52, &[data, dt]) }
+}
+
+#[unsafe(no_mangle)]
+pub unsafe extern "system" fn xl_EarthRate(means: Argument, latitudeRad: Argument) -> *mut Xloper12 {
+    // SAFETY: Excel passes values of its own
+    unsafe { call(53, &[means, latitudeRad]) }
+}

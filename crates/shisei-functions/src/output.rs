@@ -14,6 +14,8 @@ pub enum ReturnShape {
     Row(usize),
     /// One row a sample of n numbers.
     Series(usize),
+    /// Rows of n numbers, no more than the first argument has.
+    Rows(usize),
     /// As the first argument.
     SameAsFirst,
     /// A fixed number of rows and columns.
@@ -29,6 +31,7 @@ impl core::fmt::Display for ReturnShape {
             ReturnShape::Truth => write!(f, "TRUE / FALSE"),
             ReturnShape::Row(n) => write!(f, "1×{n}"),
             ReturnShape::Series(n) => write!(f, "N×{n}"),
+            ReturnShape::Rows(n) => write!(f, "K×{n}"),
             ReturnShape::SameAsFirst => write!(f, "N×3, N×6"),
             ReturnShape::Table(rows, cols) => write!(f, "{rows}×{cols}"),
             ReturnShape::Sentence => write!(f, "text"),
@@ -154,6 +157,18 @@ impl IntoOutput for SameAsFirst {
             SameAsFirst::Three(rows) => rows.into_output(),
             SameAsFirst::Six(rows) => rows.into_output(),
         }
+    }
+}
+
+/// Rows of N numbers whose count depends on the data, never more than the first argument has.
+#[derive(Clone, Debug)]
+pub struct Rows<const N: usize>(pub Vec<[f64; N]>);
+
+impl<const N: usize> IntoOutput for Rows<N> {
+    const SHAPE: ReturnShape = ReturnShape::Rows(N);
+
+    fn into_output(self) -> Output {
+        Output::Numbers { rows: self.0.len(), data: self.0.into_flattened(), cols: N }
     }
 }
 

@@ -4,6 +4,7 @@ mod calibration;
 mod checks;
 mod estimate;
 mod extra;
+mod measure;
 mod motion;
 mod quaternions;
 mod readings;
@@ -16,7 +17,7 @@ use shisei_core::Vec3;
 use shisei_core::filter::{Dt, Filter, run_into};
 
 /// Every function of the table: the 44, then those beyond.
-pub static FUNCTIONS: [Function; 52] = [
+pub static FUNCTIONS: [Function; 54] = [
     readings::VEC3_MEAN,
     readings::VEC3_VARIANCE,
     readings::MEAN_NORM,
@@ -69,6 +70,8 @@ pub static FUNCTIONS: [Function; 52] = [
     extra::ESTIMATE_QUATS,
     extra::ESTIMATE_YPRS,
     extra::FIT_SPHERE,
+    measure::ALLAN_DEV,
+    measure::EARTH_RATE,
 ];
 
 /// A new series of N columns, filled by the core; what the core refuses is said of `arg`.

@@ -120,6 +120,7 @@ pub fn table() -> String {
                 ReturnShape::Number | ReturnShape::Truth => ("number", 1),
                 ReturnShape::Row(n) => ("row", n),
                 ReturnShape::Series(n) => ("series", n),
+                ReturnShape::Rows(n) => ("rows", n),
                 ReturnShape::SameAsFirst => ("first", 0),
                 ReturnShape::Table(r, c) => ("table", r * 1000 + c),
                 ReturnShape::Sentence => ("sentence", 0),

@@ -88,6 +88,7 @@ fn wrapper(f: &Function) -> String {
         ReturnShape::Number | ReturnShape::Truth | ReturnShape::Sentence => ("1".into(), "1".into()),
         ReturnShape::Row(n) => ("1".into(), n.to_string()),
         ReturnShape::Table(r, c) => (r.to_string(), c.to_string()),
+        ReturnShape::Rows(n) => ("r0".into(), n.to_string()),
         ReturnShape::SameAsFirst => ("r0".into(), "c0".into()),
         ReturnShape::Series(n) => {
             let first = f.args.iter().position(|a| matches!(a.shape, shisei_functions::Shape::Series(_)));
@@ -100,9 +101,14 @@ fn wrapper(f: &Function) -> String {
         ReturnShape::Table(..) => "KIND_GAPS",
         _ => "KIND_NUMBERS",
     };
+    // as many rows as were written
+    let written = match f.returns.shape {
+        ReturnShape::Rows(n) => format!("n \\ {n}"),
+        _ => rows.clone(),
+    };
     let _ = write!(
         s,
-        "    ReDim result(0 To MaxLong({rows} * {cols}, 1) - 1)\n    n = c_{}({})\n    {} = FromCells(n, result, {rows}, {cols}, \
+        "    ReDim result(0 To MaxLong({rows} * {cols}, 1) - 1)\n    n = c_{}({})\n    {} = FromCells(n, result, {written}, {cols}, \
          {})\nEnd Function\n",
         f.export,
         call.join(", "),

@@ -506,3 +506,19 @@ def FitSphere(points: ArrayLike | Any) -> NDArray[float64]:
     points: N×3. N×3, at least four points
     Returns 1×4: centre x, y, z; radius.
     """
+
+def AllanDev(data: ArrayLike | Any, dt: float) -> NDArray[float64]:
+    """Overlapping Allan deviation of one axis at rest: how much averaging helps. Averaging times are ten a decade, up to a third of the recording, each with its 68 % interval; plot both axes logarithmically.
+
+    data: N×1. N×1, one axis at rest in any unit, without gaps
+    dt: number, s. time from row to row
+    Returns K×4: averaging time s; deviation; lower and upper end of its 68 % interval, in the unit of the data.
+    """
+
+def EarthRate(means: ArrayLike | Any, latitudeRad: float = 0.0) -> NDArray[float64]:
+    """The Earth's rotation from mean rates in several directions, with standard errors, by the fit that the directions allow; #N/A where they determine nothing. FitSphere gives the plain sphere.
+
+    means: N×3, N×6, (m/s²,) rad/s. N×3: mean gyroX, Y, Z, one direction a row; N×6: mean accX, Y, Z before them
+    latitudeRad: number, rad. latitude of the place, north positive; 0: not known
+    Returns 4×2: rows: rate rad/s, its horizontal part rad/s, latitude rad, sidereal day h; columns: value, standard error.
+    """
