@@ -1,4 +1,4 @@
-//! The six-face calibration and its application.
+//! Calibrations and their application.
 
 use crate::arrays::{rows, table};
 use crate::errors::exception;
@@ -6,6 +6,9 @@ use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shisei_core::Vec3;
+use shisei_core::calibration::gyro_turns::{self, TurnSettings};
+use shisei_core::calibration::recording::calibrate_poses;
+use shisei_core::calibration::still::StillSegment;
 use shisei_core::calibration::{FaceTable, SensorModel, SixFaceSettings, search_faces, solve};
 
 /// Finds the faces, then solves; `faces` is there also when the solution is not (`error` says why then).
@@ -78,4 +81,64 @@ pub fn apply<'py>(
     py.detach(|| SensorModel { bias, matrix }.apply_series(raw, &mut out))
         .map_err(|error| exception("apply", error))?;
     table(py, out)
+}
+
+/// Nine accelerometer parameters from many poses, and the gyroscope's matrix from the turns between them where
+/// `gyro_from_turns` asks for it.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn multi_pose<'py>(
+    py: Python<'py>,
+    acc_m_s2: PyReadonlyArray2<'py, f64>,
+    gyro_rad_s: PyReadonlyArray2<'py, f64>,
+    dt_s: f64,
+    gravity_m_s2: f64,
+    gyro_from_turns: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (acc, gyro) = (rows::<3>(&acc_m_s2, "acc_m_s2")?, rows::<3>(&gyro_rad_s, "gyro_rad_s")?);
+    let refuse = |error: shisei_core::Error| exception("multi_pose", error);
+    let (found, turns) = py
+        .detach(|| {
+            let found = calibrate_poses(acc, gyro, dt_s, gravity_m_s2, None)?;
+            let accelerometer = &found.calibration.accelerometer;
+            let turns = gyro_from_turns
+                .then(|| {
+                    gyro_turns::calibrate(
+                        gyro,
+                        dt_s,
+                        &found.segments,
+                        accelerometer,
+                        &TurnSettings::default(),
+                    )
+                })
+                .transpose()?;
+            Ok((found, turns))
+        })
+        .map_err(refuse)?;
+    let c = &found.calibration;
+    let result = PyDict::new(py);
+    result.set_item("acc_bias_m_s2", c.accelerometer.bias)?;
+    result.set_item("acc_matrix", c.accelerometer.matrix)?;
+    result.set_item("acc_sigma", c.sigma)?;
+    result.set_item("acc_covariance", c.covariance)?;
+    result.set_item("residual_rms_m_s2", c.residual_rms)?;
+    result.set_item("held_out_rms_m_s2", Some(c.held_out_rms).filter(|x| x.is_finite()))?;
+    result.set_item("poses_m_s2", table(py, found.segments.iter().map(|s| s.acc_mean).collect())?)?;
+    result.set_item("rows", found.segments.iter().map(|s| (s.start, s.end)).collect::<Vec<_>>())?;
+    result.set_item("suggested_up", c.suggest(3).iter().map(|s| s.up_body).collect::<Vec<_>>())?;
+    if let Some(turns) = turns {
+        result.set_item("gyro_bias_rad_s", turns.gyroscope.bias)?;
+        result.set_item("gyro_matrix", turns.gyroscope.matrix)?;
+        result.set_item("gyro_sigma", turns.sigma)?;
+        result.set_item("turn_residual_rms_rad", turns.residual_rms_rad)?;
+    } else {
+        let rows: usize = found.segments.iter().map(StillSegment::rows).sum();
+        let mean = |axis: usize| {
+            found.segments.iter().map(|s| s.rows() as f64 * s.gyro_mean[axis]).sum::<f64>()
+                / rows.max(1) as f64
+        };
+        result.set_item("gyro_bias_rad_s", [mean(0), mean(1), mean(2)])?;
+        result.set_item("gyro_matrix", SensorModel::IDENTITY.matrix)?;
+    }
+    Ok(result)
 }

@@ -10,6 +10,7 @@ mod calibration;
 mod errors;
 mod estimator;
 mod filters;
+mod measure;
 mod sheet;
 
 use pyo3::prelude::*;
@@ -27,6 +28,11 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(filters::dead_reckon, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::six_face, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::apply, module)?)?;
+    module.add_function(wrap_pyfunction!(calibration::multi_pose, module)?)?;
+    module.add_function(wrap_pyfunction!(measure::allan_deviation, module)?)?;
+    module.add_function(wrap_pyfunction!(measure::fit_sphere, module)?)?;
+    module.add_function(wrap_pyfunction!(measure::earth_rate, module)?)?;
+    module.add_function(wrap_pyfunction!(measure::navigate, module)?)?;
     module.add_class::<filters::MahonyFilter>()?;
     module.add_function(wrap_pyfunction!(estimator::estimate, module)?)?;
     module.add_class::<estimator::EstimatorFilter>()?;

@@ -15,7 +15,7 @@ The worksheet functions are in :mod:`shisei.sheet`.
 """
 from . import sheet
 from ._native import ConditionError, DomainError, ShapeError, __version__, set_language
-from .calibration import Calibration, Face, SixFaceResult, six_face
+from .calibration import Calibration, Face, MultiPoseResult, SixFaceResult, multi_pose, six_face
 from .estimator import Estimate, Estimator, EstimatorState, EstimatorStates, estimate
 from .filters import (
     AdaptiveGain,
@@ -29,6 +29,8 @@ from .filters import (
     mahony_adaptive,
     orient,
 )
+from .measure import AllanDeviation, EarthRate, Measured, SphereFit, allan_deviation, earth_rate, fit_sphere
+from .motion import Track, foot_motion, rest_to_rest
 from .rotations import (
     conjugate,
     from_axis_angle,
@@ -43,9 +45,11 @@ from .rotations import (
 )
 
 __all__ = [
-    "AdaptiveGain", "Calibration", "ConditionError", "DomainError", "Estimate", "Estimator", "EstimatorState",
-    "EstimatorStates", "Face", "Mahony", "Motion", "Orientation", "ShapeError", "SixFaceResult", "__version__",
-    "complementary", "conjugate", "dead_reckon", "estimate", "from_axis_angle", "from_ypr", "initial_attitude",
-    "integrate_gyro", "mahony", "mahony_adaptive", "multiply", "normalize", "orient", "relative", "rotate",
-    "set_language", "sheet", "six_face", "slerp", "to_ypr",
+    "AdaptiveGain", "AllanDeviation", "Calibration", "ConditionError", "DomainError", "EarthRate", "Estimate",
+    "Estimator", "EstimatorState", "EstimatorStates", "Face", "Mahony", "Measured", "Motion", "MultiPoseResult",
+    "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Track", "__version__", "allan_deviation",
+    "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",
+    "from_axis_angle", "from_ypr", "initial_attitude", "integrate_gyro", "mahony", "mahony_adaptive", "multi_pose",
+    "multiply", "normalize", "orient", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
+    "slerp", "to_ypr",
 ]

@@ -81,3 +81,24 @@ class EstimatorFilter:
     def state(self) -> Any: ...
     @property
     def learnt(self) -> Any: ...
+
+def allan_deviation(data: NDArray[float64], dt_s: Any) -> dict[str, Any]: ...
+def fit_sphere(points: NDArray[float64]) -> Any: ...
+def earth_rate(
+    gyro_rad_s: NDArray[float64],
+    sigma_rad_s: NDArray[float64] | None,
+    acc_m_s2: NDArray[float64] | None,
+    latitude_rad: float | None,
+) -> dict[str, Any]: ...
+def navigate(
+    on_foot: bool,
+    gyro_rad_s: NDArray[float64],
+    acc_m_s2: NDArray[float64],
+    dt_s: float | NDArray[float64],
+    gravity_m_s2: float,
+    max_without_rest_s: float | None,
+    end: tuple[list[float], float] | None,
+) -> dict[str, Any]: ...
+def multi_pose(
+    acc_m_s2: NDArray[float64], gyro_rad_s: NDArray[float64], dt_s: Any, gravity_m_s2: float, gyro_from_turns: bool
+) -> dict[str, Any]: ...

@@ -1,4 +1,4 @@
-"""Calibration from six faces at rest, and calibration files."""
+"""Calibration from six faces or many poses at rest, and calibration files."""
 from __future__ import annotations
 
 import json
@@ -11,6 +11,7 @@ import numpy as np
 
 from ._arrays import Floats, series, steps
 from ._native import apply as _apply
+from ._native import multi_pose as _multi_pose
 from ._native import six_face as _six_face
 
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -117,3 +118,51 @@ def six_face(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, dt
                               found["gyro_matrix"], {"gravity_m_s2": gravity_m_s2})
     sigma = np.sqrt(np.diag(np.array(found["acc_covariance"])))
     return SixFaceResult(calibration, sigma, np.sqrt(np.array(found["gyro_bias_variance"])), faces)
+
+
+ACC_PARAMETERS = ["bias_x", "bias_y", "bias_z", "m_xx", "m_xy", "m_xz", "m_yy", "m_yz", "m_zz"]
+"""The nine parameters of :func:`multi_pose`, in the order of its errors."""
+
+
+@dataclass(frozen=True)
+class MultiPoseResult:
+    """A calibration from P poses with its uncertainty."""
+
+    calibration: Calibration
+    acc_sigma: Floats
+    """(9,) standard errors: bias x, y, z (m/s²), then the matrix' xx, xy, xz, yy, yz, zz."""
+    residual_rms_m_s2: float
+    """Root mean square of |a| − g over the poses."""
+    held_out_rms_m_s2: float | None
+    """The same of each pose with the calibration of all others; None with fewer than 10 poses."""
+    poses_m_s2: Floats
+    """(P, 3) mean readings of the poses."""
+    rows: list[tuple[int, int]]
+    """First row and end row of each pose."""
+    suggested_up: Floats
+    """(3, 3) the directions (unit vectors in sensor axes) that should point up in poses to add, best first."""
+    gyro_sigma: Floats | None
+    """(9,) standard errors of the gyroscope's matrix, row by row; None without ``gyro_turns``."""
+    turn_residual_rms_rad: float | None
+    """How well the gyroscope carries gravity from pose to pose; None without ``gyro_turns``."""
+
+
+def multi_pose(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, dt_s: float | None = None,
+               gravity_m_s2: float = 9.80665, gyro_turns: bool = False) -> MultiPoseResult:
+    """Nine accelerometer parameters from poses at rest in all directions, the gyroscope's bias, and its matrix if asked.
+
+    acc_m_s2, gyro_rad_s: (N, 3), a recording with nine poses or more (better twelve), 1 s still each; no equipment
+    needed. gyro_turns: also the gyroscope's scale and misalignment from the turns between the poses. gravity_m_s2: local.
+    The GIL is released. Raises ShapeError, DomainError (numbers that are not finite, step or gravity not positive) and
+    ConditionError (too few poses, or poses or turns that do not determine the answer).
+    """
+    acc, gyro = series(acc_m_s2, 3, "acc_m_s2"), series(gyro_rad_s, 3, "gyro_rad_s")
+    found = _multi_pose(acc, gyro, steps(len(acc), rate_hz, None, dt_s), gravity_m_s2, gyro_turns)
+    other = {"method": "gyro-turns" if gyro_turns else "multi-pose", "gravity_m_s2": gravity_m_s2,
+             "covariance": {"order": [f"acc_{name}" for name in ACC_PARAMETERS], "values": found["acc_covariance"]}}
+    calibration = Calibration(tuple(found["acc_bias_m_s2"]), found["acc_matrix"], tuple(found["gyro_bias_rad_s"]),
+                              found["gyro_matrix"], other)
+    sigma = found.get("gyro_sigma")
+    return MultiPoseResult(calibration, np.array(found["acc_sigma"]), found["residual_rms_m_s2"],
+                           found["held_out_rms_m_s2"], found["poses_m_s2"], found["rows"], np.array(found["suggested_up"]),
+                           None if sigma is None else np.array(sigma), found.get("turn_residual_rms_rad"))
