@@ -110,9 +110,10 @@ impl Answer {
             format!("{port}：レシーバ {major}.{minor}.{patch}、破棄 {dropped} フレーム\n"),
         );
         for node in &self.nodes {
-            let state = match node.connected {
-                true => say(lang, "connected", "接続中"),
-                false => say(lang, "away", "未接続"),
+            let state = if node.connected {
+                say(lang, "connected", "接続中")
+            } else {
+                say(lang, "away", "未接続")
             };
             let temperature = node
                 .temperature_centi_c
