@@ -198,7 +198,9 @@ impl<'a> Recorder<'a> {
                     EventCode::Disconnected => {
                         self.tell(&format!("{who} is gone"), &format!("{who} が切断しました"));
                     }
-                    EventCode::GateUp => self.tell("the recording gate rose", "記録ゲートが立ち上がりました"),
+                    EventCode::GateUp => {
+                        self.tell("the recording gate rose", "記録ゲートが立ち上がりました");
+                    }
                     EventCode::GateDown => {
                         self.tell("the recording gate fell", "記録ゲートが立ち下がりました");
                     }

@@ -4,6 +4,8 @@ mod bad_input;
 mod calibration;
 mod dialects;
 mod fuse;
+#[cfg(unix)]
+mod live;
 mod many;
 mod measure;
 mod orientation;

@@ -5,7 +5,7 @@ mod slot;
 
 pub use outbox::Outbox;
 
-use shisei_wire::message::{self, Command, Data, Event, EventCode, Hello, NO_NODE};
+use shisei_wire::message::{self, Command, Data, Event, EventCode, Hello, MESSAGE_MAX, NO_NODE};
 use shisei_wire::{Deframer, Message, Packet};
 
 use slot::{Continuity, Slot};
@@ -242,7 +242,12 @@ impl<const OUT: usize> Receiver<OUT> {
 
     /// A byte from the PC; a command for a node is returned.
     pub fn byte(&mut self, byte: u8, now_us: u64) -> Option<ToNode> {
-        let message = self.deframer.push(byte)?;
+        let mut copy = [0; MESSAGE_MAX];
+        let message = self.deframer.push(byte)?.and_then(|bytes| {
+            let place = copy.get_mut(..bytes.len()).ok_or(shisei_wire::Error::TooLong)?;
+            place.copy_from_slice(bytes);
+            Ok(&*place)
+        });
         let (kind, to_node) = match message {
             Ok(bytes) => (bytes.get(1).copied().unwrap_or(0), read_command(bytes)),
             Err(_) => (0, None),
@@ -261,6 +266,12 @@ impl<const OUT: usize> Receiver<OUT> {
                 let known = command.node == NO_NODE
                     || self.slots.get(usize::from(command.node)).is_some_and(|slot| slot.connected);
                 if known {
+                    if let Ok(Message::Command(Command::Rename(node, name))) =
+                        message.and_then(Message::decode)
+                        && let Some(slot) = self.slots.get_mut(usize::from(node))
+                    {
+                        slot.set_name(name);
+                    }
                     return Some(command);
                 }
                 self.event(now_us, EventCode::BadCommand, command.node, u32::from(kind));
