@@ -98,7 +98,12 @@ pub fn all(project: &Project) -> Result<Vec<Trial>, Absent> {
     plain.into_iter().map(Trial::read).collect::<Result<_, _>>().map_err(Absent::Reader)
 }
 
+/// Held while files are converted: tests run side by side and write the same ones.
+static CONVERTING: std::sync::Mutex<()> = std::sync::Mutex::new(());
+
 fn plain_files(project: &Project, sources: &[PathBuf]) -> Result<Vec<PathBuf>, String> {
+    // A test that failed while it held this leaves no half of a file: conversion renames.
+    let _alone = CONVERTING.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
     let folder = project.target().join("broad");
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let plain = |source: &Path| folder.join(source.file_stem().unwrap_or_default()).with_extension("f64");
