@@ -67,7 +67,7 @@ impl Project {
     pub fn tracked_files(&self) -> Result<Vec<PathBuf>, String> {
         let output = self
             .command("git")
-            .args(["ls-files", "-z", "--cached", "--others", "--exclude-standard"])
+            .args(["ls-files", "-z", "--cached"])
             .output()
             .map_err(|error| format!("git ls-files: {error}"))?;
         let names = String::from_utf8_lossy(&output.stdout).into_owned();
