@@ -15,6 +15,7 @@ mod lang;
 mod output;
 mod summary;
 mod tables;
+mod threads;
 
 use std::process::ExitCode;
 

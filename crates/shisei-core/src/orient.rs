@@ -11,7 +11,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use crate::error::{Error, Result};
-use crate::estimator::Calibration;
+use crate::estimator::{Calibration, InTurn, Pair};
 use crate::filter::{
     self, AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroRk4, Mahony, MahonyAdaptive,
 };
@@ -174,6 +174,17 @@ pub fn orient(
     dt_s: &[f64],
     settings: &Settings,
 ) -> Result<Orientation> {
+    orient_with(acc_m_s2, gyro_rad_s, dt_s, settings, &InTurn)
+}
+
+/// As [`orient`]; `pair` says how the smoother's two passes are done, to the same result.
+pub fn orient_with(
+    acc_m_s2: &[Vec3],
+    gyro_rad_s: &[Vec3],
+    dt_s: &[f64],
+    settings: &Settings,
+    pair: &impl Pair,
+) -> Result<Orientation> {
     filter::same_length(acc_m_s2.len(), gyro_rad_s.len())?;
     if acc_m_s2.is_empty() {
         return Err(Error::Empty);
@@ -208,7 +219,7 @@ pub fn orient(
         }
         let rest = found.rest.as_ref().map(|rest| (rest, level));
         let bias = found.gyro_bias_rad_s;
-        let estimate = estimated::run((acc_m_s2, gyro_rad_s, dt_s), settings, online, bias, rest)?;
+        let estimate = estimated::run((acc_m_s2, gyro_rad_s, dt_s), settings, online, bias, rest, pair)?;
         found.start = estimate.start;
         found.world_from_body = estimate.world_from_body;
         found.certainty = Some(estimate.certainty);

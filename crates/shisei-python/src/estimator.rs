@@ -2,6 +2,7 @@
 
 use crate::arrays::{Step, rows, table};
 use crate::errors::exception;
+use crate::threads::SideBySide;
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -93,12 +94,14 @@ pub fn estimate<'py>(
     };
     let found = py
         .detach(|| {
-            let Some(correct) = correct else { return whole::orient(acc, gyro, dt, &settings) };
+            let Some(correct) = correct else {
+                return whole::orient_with(acc, gyro, dt, &settings, &SideBySide);
+            };
             let (mut corrected_acc, mut corrected_gyro) =
                 (vec![[0.0; 3]; acc.len()], vec![[0.0; 3]; gyro.len()]);
             correct.accelerometer.apply_series(acc, &mut corrected_acc)?;
             correct.gyroscope.apply_series(gyro, &mut corrected_gyro)?;
-            whole::orient(&corrected_acc, &corrected_gyro, dt, &settings)
+            whole::orient_with(&corrected_acc, &corrected_gyro, dt, &settings, &SideBySide)
         })
         .map_err(|error| exception("estimate", error))?;
     let result = PyDict::new(py);

@@ -2,6 +2,7 @@
 
 use crate::arrays::{Step, rows, table};
 use crate::errors::exception;
+use crate::threads::SideBySide;
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -132,8 +133,9 @@ pub fn orient<'py>(
             &steps
         }
     };
-    let found =
-        py.detach(|| whole::orient(acc, gyro, dt, &settings)).map_err(|error| exception("orient", error))?;
+    let found = py
+        .detach(|| whole::orient_with(acc, gyro, dt, &settings, &SideBySide))
+        .map_err(|error| exception("orient", error))?;
     let result = PyDict::new(py);
     let quats: Vec<Quat> = found.world_from_body.into_iter().map(Quaternion::to_array).collect();
     result.set_item("world_from_body", table(py, quats)?)?;

@@ -12,6 +12,7 @@ mod estimator;
 mod filters;
 mod measure;
 mod sheet;
+mod threads;
 
 use pyo3::prelude::*;
 

@@ -15,6 +15,7 @@ use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source, Unopened};
 use crate::output::{self, Kind, Writer};
 use crate::tables::{self, Format};
+use crate::threads::SideBySide;
 use crate::{batch, summary};
 
 const DEG_PER_RAD: f64 = 180.0 / std::f64::consts::PI;
@@ -236,7 +237,8 @@ fn compute(plan: &Plan, source: &Source, recording: &Recording) -> Outcome<Orien
         }
     };
     let settings = orient::Settings { rest: choice, ..plan.settings };
-    orient::orient(&recording.acc_m_s2, &recording.gyro_rad_s, &recording.dt_s, &settings).map_err(|error| {
+    let (acc, gyro, dt) = (&recording.acc_m_s2, &recording.gyro_rad_s, &recording.dt_s);
+    orient::orient_with(acc, gyro, dt, &settings, &SideBySide).map_err(|error| {
         if let Error::NoRest { needed_s } = error {
             return Failure::condition(say(
                 lang,

@@ -1,21 +1,26 @@
 //! The backward pass: what later samples say about earlier ones.
 //!
-//! Rauch, Tung and Striebel's smoother in the form of Bierman ("Fixed interval smoothing with discrete
-//! measurements", Int. J. Control 18 (1973)): instead of inverting covariances it carries an adjoint λ and its
-//! matrix Λ back through the same measurements and transitions,
+//! Rauch, Tung and Striebel's smoother in the form of Bryson and Frazier: instead of inverting covariances it
+//! carries an adjoint λ and its matrix Λ back through the same measurements and transitions (G. J. Bierman,
+//! "Fixed interval smoothing with discrete measurements", Int. J. Control 18 (1973)). All measurements at the end of
+//! an interval are taken back together; with P the covariance after them, h their rows, r their variances and e
+//! what is left of them after the update,
 //!
 //! ```text
-//! measurement h, gain K, innovation y of variance s:
-//!     λ ← λ − h (K·λ) − h y/s          Λ ← (1 − K h)ᵀ Λ (1 − K h) + h hᵀ/s
+//! measurements: K = P hᵀ/r        C = Kᵀ Λ K + (1 − h K)/r
+//!     λ ← λ − hᵀ (Kᵀ λ + e/r)          Λ ← Λ − Λ K h − hᵀ Kᵀ Λ + hᵀ C h
 //! transition Φ:
 //!     λ ← Φᵀ λ                         Λ ← Φᵀ Λ Φ
 //! smoothed error and covariance:
 //!     −P λ                             P − P Λ P
 //! ```
+//!
+//! (Kᵀ and e/r are the gain and S⁻¹ times the innovation, written with what the update leaves.)
 
-use super::covariance::{Covariance, Transition};
-use super::engine::{Row, Step};
-use super::model::{MOVING, STATES};
+use super::covariance::Covariance;
+use super::engine::{Rows, Step, TRIPLES};
+use super::model::MOVING;
+use super::transition::{Three, add_product, three};
 use crate::vector::Vec3;
 
 /// λ and Λ.
@@ -23,164 +28,154 @@ use crate::vector::Vec3;
 pub(super) struct Adjoint<const N: usize> {
     vector: [f64; N],
     matrix: [[f64; N]; N],
-    /// False where only states are wanted: Λ is left alone.
-    with_matrix: bool,
+}
+
+/// `a · b`, in three sums so that one addition need not wait for the other.
+#[inline]
+fn dot<const N: usize>(a: &[f64; N], b: &[f64; N]) -> f64 {
+    let mut sums = [0.0; 3];
+    for k in (0..N).step_by(3) {
+        for j in 0..3 {
+            sums[j] += a[k + j] * b[k + j];
+        }
+    }
+    (sums[0] + sums[1]) + sums[2]
 }
 
 impl<const N: usize> Adjoint<N> {
     /// Nothing is known of what comes later.
-    pub(super) fn new(with_matrix: bool) -> Self {
-        Adjoint { vector: [0.0; N], matrix: [[0.0; N]; N], with_matrix }
+    pub(super) fn new() -> Self {
+        Adjoint { vector: [0.0; N], matrix: [[0.0; N]; N] }
     }
 
     /// The error of a filtered state, as later samples see it.
+    #[inline]
     pub(super) fn error(&self, p: &Covariance<N>) -> [f64; N] {
-        let mut error = [0.0; N];
-        for (slot, row) in error.iter_mut().zip(&p.0) {
-            for (a, b) in row.iter().zip(&self.vector) {
-                *slot -= a * b;
-            }
-        }
-        error
+        p.times(&self.vector).map(|x| -x)
     }
 
-    /// Covariance of the smoothed attitude.
-    pub(super) fn attitude_covariance(&self, p: &Covariance<N>) -> [Vec3; 3] {
-        let mut out = [[0.0; 3]; 3];
-        for r in 0..3 {
-            let mut row = [0.0; N];
-            for (factor, later) in p.0[r].iter().zip(&self.matrix) {
-                for (sum, l) in row.iter_mut().zip(later) {
-                    *sum += factor * l;
-                }
-            }
-            for c in 0..=r {
-                let mut sum = p.0[r][c];
-                for (a, b) in row.iter().zip(&p.0[c]) {
-                    sum -= a * b;
-                }
-                out[r][c] = sum;
-                out[c][r] = sum;
-            }
-        }
-        for k in 0..3 {
-            out[k][k] = out[k][k].max(0.0);
+    /// Λ times three columns.
+    fn times(&self, columns: &Three<N>) -> Three<N> {
+        let mut out = [[0.0; N]; 3];
+        for (k, rows) in self.matrix.as_chunks::<3>().0.iter().enumerate() {
+            let m = [0, 1, 2].map(|j| [columns[j][3 * k], columns[j][3 * k + 1], columns[j][3 * k + 2]]);
+            add_product(&mut out, &m, rows);
         }
         out
     }
 
-    /// Variance of the smoothed error state `index`.
-    pub(super) fn variance(&self, p: &Covariance<N>, index: usize) -> f64 {
-        let mut sum = p.0[index][index];
-        for (factor, later) in p.0[index].iter().zip(&self.matrix) {
-            let mut row = 0.0;
-            for (l, b) in later.iter().zip(&p.0[index]) {
-                row += l * b;
+    /// Covariance of three smoothed error states from `first` on.
+    pub(super) fn covariance(&self, p: &Covariance<N>, first: usize) -> [Vec3; 3] {
+        let rows = three(&p.0, first);
+        let later = self.times(rows);
+        let mut out = [[0.0; 3]; 3];
+        for r in 0..3 {
+            for c in 0..=r {
+                out[r][c] = rows[r][first + c] - dot(&rows[r], &later[c]);
+                out[c][r] = out[r][c];
             }
-            sum -= factor * row;
+            out[r][r] = out[r][r].max(0.0);
         }
-        sum.max(0.0)
+        out
     }
 
-    /// Back through the end of an interval: its measurements, then its transition.
-    pub(super) fn back(&mut self, step: &Step<N>) {
-        for (row, measured) in step.measured[..step.count].iter().rev() {
-            let h = match row {
-                Row::State(index) => {
-                    let mut h = [0.0; N];
-                    h[*index] = 1.0;
-                    h
-                }
-                Row::Mixed(h) => *h,
-            };
-            let (u, root) = (&measured.u, measured.root);
-            let mut along = 0.0;
-            for (a, b) in u.iter().zip(&self.vector) {
-                along += a * b;
-            }
-            let change = root * along + root * root * measured.innovation;
-            for (slot, factor) in self.vector.iter_mut().zip(&h) {
-                *slot -= factor * change;
-            }
-            if self.with_matrix {
-                self.measured(&h, u, root);
-            }
-        }
-        self.transition(&step.transition);
-    }
-
-    fn measured(&mut self, h: &[f64; N], u: &[f64; N], root: f64) {
-        let mut w = [0.0; N];
-        for (factor, row) in u.iter().zip(&self.matrix) {
-            for (sum, l) in w.iter_mut().zip(row) {
-                *sum += factor * l;
-            }
-        }
-        let mut square = 0.0;
-        for (slot, a) in w.iter_mut().zip(u) {
-            *slot *= root;
-            square += *slot * a;
-        }
-        let own = root * square + root * root;
+    /// Back through the end of an interval: its measurements, then its transition. `p` is the covariance after it.
+    pub(super) fn back(&mut self, step: &Step, p: &Covariance<N>) {
+        self.measurements(step, p);
+        let mut vector = self.vector.map(|x| [x]);
+        step.transition.back(&mut vector);
+        self.vector = vector.map(|[x]| x);
+        step.transition.back(&mut self.matrix);
+        let mut turned = [[0.0; N]; N];
         for a in 0..N {
-            let (ha, wa) = (h[a], w[a]);
-            if ha == 0.0 {
-                for b in 0..N {
-                    if h[b] != 0.0 {
-                        self.matrix[a][b] -= wa * h[b];
-                    }
-                }
-            } else {
-                for b in 0..N {
-                    self.matrix[a][b] += ha * h[b] * own - (ha * w[b] + wa * h[b]);
-                }
+            for b in 0..N {
+                turned[b][a] = self.matrix[a][b];
             }
         }
-    }
-
-    fn transition(&mut self, t: &Transition) {
-        let old = self.vector;
-        self.vector[..MOVING].fill(0.0);
-        for r in 0..MOVING {
-            for c in 0..STATES {
-                self.vector[c] += t[r][c] * old[r];
-            }
-        }
-        if !self.with_matrix {
-            return;
-        }
-        // Φᵀ Λ, then its product with Φ
-        let mut left = self.matrix;
-        for row in &mut left[..MOVING] {
-            *row = [0.0; N];
-        }
-        for r in 0..MOVING {
-            for c in 0..STATES {
-                let factor = t[r][c];
-                if factor != 0.0 {
-                    for (sum, l) in left[c].iter_mut().zip(&self.matrix[r]) {
-                        *sum += factor * l;
-                    }
-                }
-            }
-        }
-        for a in 0..N {
-            let mut row = left[a];
-            row[..MOVING].fill(0.0);
-            for r in 0..MOVING {
-                let factor = left[a][r];
-                for (sum, phi) in row.iter_mut().zip(&t[r]) {
-                    *sum += factor * phi;
-                }
-            }
-            self.matrix[a] = row;
-        }
+        step.transition.back(&mut turned);
         // rounding must not tear the halves apart
         for a in 0..N {
-            for b in 0..a {
-                let mean = 0.5 * (self.matrix[a][b] + self.matrix[b][a]);
-                self.matrix[a][b] = mean;
-                self.matrix[b][a] = mean;
+            for b in 0..=a {
+                self.matrix[a][b] = turned[a][b];
+                self.matrix[b][a] = turned[a][b];
+            }
+        }
+    }
+
+    fn measurements(&mut self, step: &Step, p: &Covariance<N>) {
+        let measured = step.measured();
+        let mut gain = [[[0.0; N]; 3]; TRIPLES];
+        let mut later = [[[0.0; N]; 3]; TRIPLES];
+        for (m, triple) in measured.iter().enumerate() {
+            let weight = 1.0 / triple.variance;
+            for j in 0..3 {
+                triple.rows.terms(j, |index, factor| {
+                    for (sum, x) in gain[m][j].iter_mut().zip(&p.0[index]) {
+                        *sum += factor * weight * x;
+                    }
+                });
+            }
+            later[m] = self.times(&gain[m]);
+        }
+        // what changes λ, and C, a block for each pair of triples
+        let mut change = [[0.0; 3]; TRIPLES];
+        let mut square = [[[[0.0; 3]; 3]; TRIPLES]; TRIPLES];
+        for (m, triple) in measured.iter().enumerate() {
+            let weight = 1.0 / triple.variance;
+            for j in 0..3 {
+                change[m][j] = dot(&gain[m][j], &self.vector) + weight * triple.left[j];
+                for n in 0..=m {
+                    for l in 0..3 {
+                        let mut own = if (m, j) == (n, l) { 1.0 } else { 0.0 };
+                        triple.rows.terms(j, |index, factor| own -= factor * gain[n][l][index]);
+                        square[m][n][j][l] = dot(&gain[m][j], &later[n][l]) + weight * own;
+                        square[n][m][l][j] = square[m][n][j][l];
+                    }
+                }
+            }
+        }
+        for (m, triple) in measured.iter().enumerate() {
+            if let Rows::States(first) = triple.rows {
+                self.subtract(first, &change[m], &later[m]);
+            } else {
+                for j in 0..3 {
+                    triple.rows.terms(j, |index, factor| {
+                        self.vector[index] -= factor * change[m][j];
+                        for k in 0..N {
+                            self.matrix[index][k] -= factor * later[m][j][k];
+                            self.matrix[k][index] -= factor * later[m][j][k];
+                        }
+                    });
+                }
+            }
+        }
+        for (m, triple) in measured.iter().enumerate() {
+            for (n, other) in measured.iter().enumerate() {
+                for j in 0..3 {
+                    triple.rows.terms(j, |index, factor| {
+                        for l in 0..3 {
+                            let weight = factor * square[m][n][j][l];
+                            other.rows.terms(l, |at, by| self.matrix[index][at] += weight * by);
+                        }
+                    });
+                }
+            }
+        }
+    }
+
+    /// λ and Λ less what three error states from `first` on were measured to be.
+    #[inline]
+    fn subtract(&mut self, first: usize, change: &Vec3, later: &Three<N>) {
+        for j in 0..3 {
+            self.vector[first + j] -= change[j];
+            for (slot, x) in self.matrix[first + j].iter_mut().zip(&later[j]) {
+                *slot -= x;
+            }
+        }
+        for (k, row) in self.matrix.iter_mut().enumerate() {
+            let slots = &mut row.as_chunks_mut::<3>().0[first / 3];
+            for j in 0..3 {
+                slots[j] -= later[j][k];
             }
         }
     }
@@ -198,6 +193,6 @@ impl<const N: usize> Adjoint<N> {
 
     /// Back through a start of which nothing before is known.
     pub(super) fn forget(&mut self) {
-        *self = Adjoint::new(self.with_matrix);
+        *self = Adjoint::new();
     }
 }

@@ -13,9 +13,10 @@ use super::online::{State, check};
 use super::runner::Runner;
 use super::segments::Recording;
 use super::settings::Settings;
-use super::smoother::{CHUNK, lengths, rests, run};
+use super::smoother::{CHUNK, InTurn, lengths, rests, run};
 use crate::error::Result;
 use crate::filter::{self, Dt, positive};
+use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
 /// How well the optical system sees.
@@ -89,20 +90,34 @@ pub fn bridge(
         lever_m: optics.lever_m,
     };
     let bounds = bounds(&poses, dt);
-    let rest = rests(acc_m_s2, gyro_rad_s, dt, settings);
-    let recording =
-        Recording { acc: acc_m_s2, gyro: gyro_rad_s, dt, rest: &rest, poses: &poses, noise, bounds: &bounds };
+    let mut recording = Recording {
+        acc: acc_m_s2,
+        gyro: gyro_rad_s,
+        bias: [0.0; 3],
+        dt,
+        rest: &[],
+        poses: &poses,
+        noise,
+        bounds: &bounds,
+    };
+    let rest = rests(&recording, settings);
+    recording.rest = &rest;
     let settings =
         Settings { update_s: settings.update_s.min(UPDATE_S), heading_sigma_share: 1.0, ..*settings };
     let runner = Runner::<STATES_WITH_LEVER, 1>::new(&settings, [&settings.bridge], optics.lever_m);
-    let (details, calibration) = run(&recording, runner, CHUNK);
-    let bridged = details.into_iter().map(|detail| Bridged {
-        state: detail.state,
-        velocity_m_s: detail.velocity,
-        position_m: vector::add(detail.position, centre),
-        sigma_position_m: detail.sigma_position,
+    let nothing = State::new(Quaternion::IDENTITY, [0.0; 3], [0.0; 3], [[0.0; 3]; 3], false);
+    let blank =
+        Bridged { state: nothing, velocity_m_s: [0.0; 3], position_m: [0.0; 3], sigma_position_m: 0.0 };
+    let mut bridged = alloc::vec![blank; acc_m_s2.len()];
+    let calibration = run(&recording, runner, CHUNK, &InTurn, |k, detail| {
+        bridged[k] = Bridged {
+            state: detail.state,
+            velocity_m_s: detail.velocity,
+            position_m: vector::add(detail.position, centre),
+            sigma_position_m: detail.sigma_position,
+        };
     });
-    Ok((bridged.collect(), calibration))
+    Ok((bridged, calibration))
 }
 
 /// Longest time between updates, s: each takes one pose.

@@ -1,84 +1,16 @@
-//! Covariance of the error states: the transition over an interval and scalar measurements.
-//!
-//! Only attitude, velocity and position move; the rows of all other states in the transition are those of the
-//! identity, and of the moving rows only the stated columns are not zero. Every update subtracts `u uᵀ`, so the
-//! matrix stays symmetric to the last bit.
+//! Covariance of the error states: over an interval, and at measurements.
 
-use super::model::{BA, BG, Interval, MG, MOVING, PHI, POS, SA, STATES, VEL};
+use super::engine::Rows;
+use super::model::MOVING;
+use super::transition::Transition;
 use crate::math;
 use crate::vector::Vec3;
 
-/// Rows of the transition that are not the identity's.
-pub(super) type Transition = [[f64; STATES]; MOVING];
+/// Rows that a measurement changes together, from the diagonal's block to the right.
+const BLOCK: usize = 9;
 
-/// Columns that can be other than zero, by row.
-const COLUMNS: [&[(usize, usize)]; MOVING] = [
-    &[(0, 1), (BG, BG + 3), (MG, SA)],
-    &[(1, 2), (BG, BG + 3), (MG, SA)],
-    &[(2, 3), (BG, BG + 3), (MG, SA)],
-    &[(0, 4), (BG, STATES)],
-    &[(0, 3), (4, 5), (BG, STATES)],
-    &[(0, 3), (5, 6), (BG, STATES)],
-    &[(0, 4), (6, 7), (BG, MG), (SA, STATES)],
-    &[(0, 3), (4, 5), (7, 8), (BG, MG), (SA, STATES)],
-    &[(0, 3), (5, 6), (8, 9), (BG, MG), (SA, STATES)],
-];
-
-/// `[f]× m`.
-fn cross_matrix<const C: usize>(f: Vec3, m: &[[f64; C]; 3]) -> [[f64; C]; 3] {
-    let mut out = [[0.0; C]; 3];
-    for c in 0..C {
-        out[0][c] = f[1] * m[2][c] - f[2] * m[1][c];
-        out[1][c] = f[2] * m[0][c] - f[0] * m[2][c];
-        out[2][c] = f[0] * m[1][c] - f[1] * m[0][c];
-    }
-    out
-}
-
-/// Transition over an interval; `keep` is the share of the position that is kept (1 − T/τ).
-pub(super) fn transition(sums: &Interval, keep: f64) -> Transition {
-    let mut t: Transition = [[0.0; STATES]; MOVING];
-    let time = sums.time_s;
-    let f = sums.force;
-    let skew = [[0.0, -f[2], f[1]], [f[2], 0.0, -f[0]], [-f[1], f[0], 0.0]];
-    let by_bias = cross_matrix(f, &sums.attitude_by_bias);
-    let by_matrix = cross_matrix(f, &sums.attitude_by_matrix);
-    for j in 0..3 {
-        t[PHI + j][PHI + j] = 1.0;
-        t[VEL + j][VEL + j] = 1.0;
-        t[POS + j][POS + j] = keep;
-        t[POS + j][VEL + j] = time * keep;
-        for l in 0..3 {
-            t[PHI + j][BG + l] = sums.attitude_by_bias[j][l];
-            t[VEL + j][PHI + l] = -skew[j][l];
-            t[POS + j][PHI + l] = -0.5 * time * skew[j][l];
-            t[VEL + j][BG + l] = -0.5 * by_bias[j][l];
-            t[POS + j][BG + l] = -by_bias[j][l] * time / 6.0;
-            t[VEL + j][BA + l] = sums.velocity_by_bias[j][l];
-            t[POS + j][BA + l] = 0.5 * time * sums.velocity_by_bias[j][l];
-            t[VEL + j][SA + l] = sums.velocity_by_scale[j][l];
-            t[POS + j][SA + l] = 0.5 * time * sums.velocity_by_scale[j][l];
-        }
-        for l in 0..9 {
-            t[PHI + j][MG + l] = sums.attitude_by_matrix[j][l];
-            t[VEL + j][MG + l] = -0.5 * by_matrix[j][l];
-        }
-    }
-    t
-}
-
-/// A scalar measurement, kept for the backward pass: `gain · innovation` was added to the error.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Measured<const N: usize> {
-    /// P h / √s, s = h P hᵀ + r.
-    pub u: [f64; N],
-    /// 1/√s.
-    pub root: f64,
-    /// z − h · error, before the update.
-    pub innovation: f64,
-}
-
-/// The covariance, N × N.
+/// The covariance, N × N. After measurements only the blocks on and right of the diagonal are up to date, until
+/// [`Covariance::settle`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Covariance<const N: usize>(pub [[f64; N]; N]);
 
@@ -93,78 +25,106 @@ impl<const N: usize> Covariance<N> {
         }
     }
 
-    /// `Φ P Φᵀ` for the sparse transition.
-    pub(super) fn propagate(&mut self, t: &Transition) {
-        let mut moved = [[0.0; N]; MOVING];
+    /// `Φ P Φᵀ`.
+    pub(super) fn propagate(&mut self, transition: &Transition) {
+        let moved = transition.moved(&self.0);
+        let mut turned = [[0.0; MOVING]; N];
         for r in 0..MOVING {
-            let mut row = [0.0; N];
-            for &(first, end) in COLUMNS[r] {
-                for c in first..end {
-                    let factor = t[r][c];
-                    for (sum, &p) in row.iter_mut().zip(&self.0[c]) {
+            for c in 0..N {
+                turned[c][r] = moved[r][c];
+            }
+        }
+        let both = transition.moved(&turned);
+        for r in 0..MOVING {
+            for c in 0..=r {
+                self.0[r][c] = both[r][c];
+                self.0[c][r] = both[r][c];
+            }
+            self.0[r][MOVING..].copy_from_slice(&moved[r][MOVING..]);
+        }
+        for c in MOVING..N {
+            self.0[c][..MOVING].copy_from_slice(&turned[c]);
+        }
+    }
+
+    /// Column `index` while measurements are under way.
+    #[inline(always)]
+    fn column(&self, index: usize) -> [f64; N] {
+        let mut column = self.0[index];
+        for k in 0..index - index % BLOCK {
+            column[k] = self.0[k][index];
+        }
+        column
+    }
+
+    /// Measurements z of three combinations of error states, one after another, with variance r each: moves
+    /// `error`, shrinks the covariance.
+    pub(super) fn measure(&mut self, error: &mut [f64; N], rows: &Rows, z: Vec3, r: f64) {
+        let mut u = [[0.0; N]; 3];
+        for j in 0..3 {
+            let mut column = [0.0; N];
+            let (mut innovation, mut s) = (z[j], r);
+            if let Rows::States(first) = rows {
+                column = self.column(first + j);
+                innovation -= error[first + j];
+            } else {
+                rows.terms(j, |index, factor| {
+                    for (sum, p) in column.iter_mut().zip(self.column(index)) {
                         *sum += factor * p;
                     }
+                    innovation -= factor * error[index];
+                });
+            }
+            // what the measurements before have left of it
+            for before in &u[..j] {
+                let mut along = 0.0;
+                rows.terms(j, |index, factor| along += factor * before[index]);
+                for k in 0..N {
+                    column[k] -= along * before[k];
                 }
             }
-            moved[r] = row;
+            rows.terms(j, |index, factor| s += factor * column[index]);
+            let root = 1.0 / math::sqrt(s);
+            let step = root * innovation;
+            for k in 0..N {
+                u[j][k] = column[k] * root;
+                error[k] += u[j][k] * step;
+            }
         }
-        for r in 0..MOVING {
-            for s in 0..=r {
-                let mut sum = 0.0;
-                for &(first, end) in COLUMNS[s] {
-                    for c in first..end {
-                        sum += moved[r][c] * t[s][c];
-                    }
-                }
-                self.0[r][s] = sum;
-                self.0[s][r] = sum;
-            }
-            for c in MOVING..N {
-                self.0[r][c] = moved[r][c];
-                self.0[c][r] = moved[r][c];
+        self.subtract::<0>(&u);
+        self.subtract::<BLOCK>(&u);
+        self.subtract::<{ 2 * BLOCK }>(&u);
+        self.subtract::<{ 3 * BLOCK }>(&u);
+    }
+
+    #[inline(always)]
+    fn subtract<const FIRST: usize>(&mut self, u: &[[f64; N]; 3]) {
+        for a in FIRST..N.min(FIRST + BLOCK) {
+            let (x, y, z) = (u[0][a], u[1][a], u[2][a]);
+            for b in FIRST..N {
+                self.0[a][b] -= (x * u[0][b] + y * u[1][b]) + z * u[2][b];
             }
         }
     }
 
-    /// Measurement z of the error state `index` with variance r: moves `error`, shrinks the covariance.
-    pub(super) fn measure(&mut self, error: &mut [f64; N], index: usize, z: f64, r: f64) -> Measured<N> {
-        let column = self.0[index];
-        let innovation = z - error[index];
-        self.subtract(error, &column, innovation, column[index] + r)
-    }
-
-    /// As [`Covariance::measure`], of the combination `h · error`.
-    pub(super) fn measure_row(&mut self, error: &mut [f64; N], h: &[f64; N], z: f64, r: f64) -> Measured<N> {
-        let mut column = [0.0; N];
-        for (k, &factor) in h.iter().enumerate() {
-            if factor != 0.0 {
-                for (sum, &p) in column.iter_mut().zip(&self.0[k]) {
-                    *sum += factor * p;
-                }
+    /// Ends the measurements: left of the diagonal's blocks is what is right of them.
+    pub(super) fn settle(&mut self) {
+        for a in BLOCK..N {
+            for b in 0..a - a % BLOCK {
+                self.0[a][b] = self.0[b][a];
             }
         }
-        let (mut innovation, mut s) = (z, r);
+    }
+
+    /// `P x`.
+    pub(super) fn times(&self, x: &[f64; N]) -> [f64; N] {
+        let mut out = [0.0; N];
         for k in 0..N {
-            innovation -= h[k] * error[k];
-            s += h[k] * column[k];
-        }
-        self.subtract(error, &column, innovation, s)
-    }
-
-    fn subtract(&mut self, error: &mut [f64; N], column: &[f64; N], innovation: f64, s: f64) -> Measured<N> {
-        let root = 1.0 / math::sqrt(s);
-        let mut u = *column;
-        for k in 0..N {
-            u[k] *= root;
-            error[k] += u[k] * (root * innovation);
-        }
-        for a in 0..N {
-            let factor = u[a];
-            for (p, &b) in self.0[a].iter_mut().zip(&u) {
-                *p -= factor * b;
+            for (sum, p) in out.iter_mut().zip(&self.0[k]) {
+                *sum += x[k] * p;
             }
         }
-        Measured { u, root, innovation }
+        out
     }
 
     /// Forgets how the moving states relate to all others, and sets their variances.

@@ -2,10 +2,11 @@
 //! known of the motion.
 
 use super::calibration::Calibration;
-use super::covariance::{Covariance, Measured, Transition, transition};
+use super::covariance::Covariance;
 use super::guard::Reading;
-use super::model::{BA, BG, Corrected, Interval, LEVER, MG, Nominal, PHI, POS, SA, VEL};
+use super::model::{BA, BG, Corrected, Interval, LEVER, MG, Nominal, PHI, POS, SA, STATES_WITH_LEVER, VEL};
 use super::settings::Model;
+use super::transition::Transition;
 use crate::filter::exponential::{advance, exp_half};
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
@@ -27,48 +28,93 @@ pub(super) struct OpticalNoise {
     pub lever_m: f64,
 }
 
-/// Most measurements at the end of an interval.
-pub(super) const MEASUREMENTS: usize = 9;
+/// Most triples of measurements at the end of an interval.
+pub(super) const TRIPLES: usize = 3;
 
-/// What a measurement is of: one error state, or a combination.
+/// What three measurements are of.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Row<const N: usize> {
-    State(usize),
-    Mixed([f64; N]),
+pub(super) enum Rows {
+    /// The error states from this index, a multiple of three, on.
+    States(usize),
+    /// The position, and these combinations of attitude and lever arm.
+    Arm([Vec3; 3], [Vec3; 3]),
 }
 
-/// What the end of an interval did, kept for the backward pass.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Step<const N: usize> {
-    pub transition: Transition,
-    /// The state before the measurements.
-    pub before: Nominal,
-    pub count: usize,
-    pub measured: [(Row<N>, Measured<N>); MEASUREMENTS],
-}
-
-impl<const N: usize> Step<N> {
-    pub(super) fn empty() -> Self {
-        let none = Measured { u: [0.0; N], root: 0.0, innovation: 0.0 };
-        Step {
-            transition: [[0.0; super::model::STATES]; 9],
-            before: Nominal::new(Quaternion::IDENTITY),
-            count: 0,
-            measured: [(Row::State(0), none); MEASUREMENTS],
+impl Rows {
+    /// Calls `take` with every error state that row j is of and its factor.
+    #[inline(always)]
+    pub(super) fn terms(&self, j: usize, mut take: impl FnMut(usize, f64)) {
+        match self {
+            Rows::States(first) => take(first + j, 1.0),
+            Rows::Arm(attitude, lever) => {
+                take(POS + j, 1.0);
+                for l in 0..3 {
+                    take(PHI + l, attitude[j][l]);
+                    take(LEVER + l, lever[j][l]);
+                }
+            }
         }
     }
 }
 
-/// Where measurements are kept, if anywhere.
-struct Record<'a, const N: usize>(Option<&'a mut Step<N>>);
+/// Measurements of a vector, kept for the backward pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Measured {
+    pub rows: Rows,
+    /// Their variance.
+    pub variance: f64,
+    /// What is left of them after all measurements of the interval.
+    pub left: Vec3,
+}
 
-impl<const N: usize> Record<'_, N> {
-    fn keep(&mut self, row: Row<N>, measured: Measured<N>) {
-        if let Some(step) = self.0.as_deref_mut()
-            && let Some(slot) = step.measured.get_mut(step.count)
-        {
-            *slot = (row, measured);
-            step.count += 1;
+/// What the end of an interval did, kept for the backward pass.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Step {
+    pub transition: Transition,
+    /// The state before the measurements.
+    pub before: Nominal,
+    count: usize,
+    measured: [Measured; TRIPLES],
+}
+
+impl Step {
+    pub(super) fn empty() -> Self {
+        let none = Measured { rows: Rows::States(0), variance: 1.0, left: [0.0; 3] };
+        Step {
+            transition: Transition::none(),
+            before: Nominal::new(Quaternion::IDENTITY),
+            count: 0,
+            measured: [none; TRIPLES],
+        }
+    }
+
+    /// All measurements, in order.
+    pub(super) fn measured(&self) -> &[Measured] {
+        &self.measured[..self.count]
+    }
+
+    /// Measures z.
+    fn take<const N: usize>(
+        &mut self,
+        covariance: &mut Covariance<N>,
+        error: &mut [f64; N],
+        rows: Rows,
+        z: Vec3,
+        variance: f64,
+    ) {
+        covariance.measure(error, &rows, z, variance);
+        if let Some(slot) = self.measured.get_mut(self.count) {
+            *slot = Measured { rows, variance, left: z };
+            self.count += 1;
+        }
+    }
+
+    /// All is measured: what is left of it.
+    fn finish<const N: usize>(&mut self, error: &[f64; N]) {
+        for measured in &mut self.measured[..self.count] {
+            for (j, left) in measured.left.iter_mut().enumerate() {
+                measured.rows.terms(j, |index, factor| *left -= factor * error[index]);
+            }
         }
     }
 }
@@ -100,6 +146,8 @@ pub(super) struct Engine<const N: usize> {
     last: Option<(Vec3, Vec3, Vec3)>,
     /// Change of rate over the last step, rad/s², and its length.
     slope: Option<(Vec3, f64)>,
+    /// What the end of the last interval did.
+    pub step: Step,
 }
 
 impl<const N: usize> Engine<N> {
@@ -131,6 +179,7 @@ impl<const N: usize> Engine<N> {
             speed_squared: 0.0,
             last: None,
             slope: None,
+            step: Step::empty(),
         };
         engine.covariance.restart_moving(moving_sigmas(sigma_tilt, HEADING_START));
         engine
@@ -213,7 +262,7 @@ impl<const N: usize> Engine<N> {
         if !first && share != 0.0 {
             linear = vector::sub(linear, vector::scale(vector::sub(linear, linear_before), share));
         }
-        self.sums.add(&corrected, linear, dt);
+        self.sums.add(&corrected, dt);
         self.sums.acc_change_squared += vector::dot(acc_change, acc_change) * dt * dt;
         self.sums.rate_change_squared += vector::dot(gyro_change, gyro_change) * dt * dt;
 
@@ -228,12 +277,7 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Ends the interval: covariance, measurements, nominal state.
-    pub(super) fn close(
-        &mut self,
-        rest: bool,
-        optical: Option<(&OpticalPose, &OpticalNoise)>,
-        mut record: Option<&mut Step<N>>,
-    ) {
+    pub(super) fn close(&mut self, rest: bool, optical: Option<(&OpticalPose, &OpticalNoise)>) {
         let sums = core::mem::take(&mut self.sums);
         let t = sums.time_s;
         if t <= 0.0 {
@@ -243,32 +287,30 @@ impl<const N: usize> Engine<N> {
             forget if forget > 0.0 => 1.0 - (t / forget).min(1.0),
             _ => 1.0,
         };
-        let phi = transition(&sums, keep);
-        self.covariance.propagate(&phi);
+        self.step.transition = Transition::new(&sums, keep);
+        self.step.before = self.nominal;
+        self.step.count = 0;
+        self.covariance.propagate(&self.step.transition);
         self.add_noise(&sums);
         let v = self.nominal.velocity;
         self.speed_squared += (t / SPEED_MEAN_S).min(1.0) * (vector::dot(v, v) - self.speed_squared);
 
-        if let Some(step) = record.as_deref_mut() {
-            step.transition = phi;
-            step.before = self.nominal;
-            step.count = 0;
-        }
-        let mut step = Record(record);
-        let step = &mut step;
+        let at_rest = (rest && sums.blind_rate_s == 0.0).then(|| self.rate_at_rest(&sums));
         let mut error = [0.0; N];
         match optical {
-            Some((pose, noise)) => self.measure_pose(pose, noise, &mut error, step),
-            None => self.measure_bounds(rest, t, &mut error, step),
+            Some((pose, noise)) => self.measure_pose(pose, noise, &mut error),
+            None => self.measure_bounds(rest, t, &mut error),
         }
-        if rest && sums.blind_rate_s == 0.0 {
-            self.measure_rest(&sums, &mut error, step);
+        if let Some((off, variance)) = at_rest {
+            self.step.take(&mut self.covariance, &mut error, Rows::States(BG), off, variance);
         }
+        self.covariance.settle();
+        self.step.finish(&error);
         self.nominal = self.nominal.moved(&error);
     }
 
     /// Bounded motion: velocity and position are zero, more or less.
-    fn measure_bounds(&mut self, rest: bool, t: f64, error: &mut [f64; N], step: &mut Record<'_, N>) {
+    fn measure_bounds(&mut self, rest: bool, t: f64, error: &mut [f64; N]) {
         let m = &self.model;
         let sq = |x: f64| x * x;
         let speed = if rest {
@@ -281,63 +323,43 @@ impl<const N: usize> Engine<N> {
             [(speed, VEL, self.nominal.velocity), (place, POS, self.nominal.position)]
         {
             if density > 0.0 {
-                for j in 0..3 {
-                    let measured = self.covariance.measure(error, first + j, -value[j], density / t);
-                    step.keep(Row::State(first + j), measured);
-                }
+                let off = vector::scale(value, -1.0);
+                self.step.take(&mut self.covariance, error, Rows::States(first), off, density / t);
             }
         }
     }
 
-    /// At rest the mean rate is the bias.
-    fn measure_rest(&mut self, sums: &Interval, error: &mut [f64; N], step: &mut Record<'_, N>) {
+    /// At rest the mean rate is the bias: how far it is from it, and with what variance. A bias that jumped is
+    /// doubted first.
+    fn rate_at_rest(&mut self, sums: &Interval) -> (Vec3, f64) {
         let mean = vector::scale(sums.gyro, 1.0 / sums.time_s);
-        let r = self.model.rest_rate * self.model.rest_rate / sums.time_s;
+        let variance = self.model.rest_rate * self.model.rest_rate / sums.time_s;
+        let off = vector::sub(mean, self.nominal.gyro_bias);
         for j in 0..3 {
-            let at = BG + j;
-            let z = mean[j] - self.nominal.gyro_bias[j];
-            let off = z - error[at];
-            if off * off > JUMP_SIGMAS * JUMP_SIGMAS * (self.covariance.0[at][at] + r) {
-                self.covariance.0[at][at] += off * off;
+            let known = &mut self.covariance.0[BG + j][BG + j];
+            if off[j] * off[j] > JUMP_SIGMAS * JUMP_SIGMAS * (*known + variance) {
+                *known += off[j] * off[j];
             }
-            let measured = self.covariance.measure(error, at, z, r);
-            step.keep(Row::State(at), measured);
         }
+        (off, variance)
     }
 
     /// The pose is the optical one: `φ = log(q_opt q*)`, `p_opt = p + R l`.
-    fn measure_pose(
-        &mut self,
-        pose: &OpticalPose,
-        noise: &OpticalNoise,
-        error: &mut [f64; N],
-        step: &mut Record<'_, N>,
-    ) {
+    fn measure_pose(&mut self, pose: &OpticalPose, noise: &OpticalNoise, error: &mut [f64; N]) {
         let q = self.nominal.world_from_body;
         let turn = pose.world_from_body.product(q.conjugate()).to_rotation_vector();
-        for j in 0..3 {
-            let r = noise.attitude_rad * noise.attitude_rad;
-            let measured = self.covariance.measure(error, PHI + j, turn[j], r);
-            step.keep(Row::State(PHI + j), measured);
+        let variance = noise.attitude_rad * noise.attitude_rad;
+        self.step.take(&mut self.covariance, error, Rows::States(PHI), turn, variance);
+        if N < STATES_WITH_LEVER {
+            return;
         }
         let matrix = q.to_matrix();
         let arm = q.rotate(self.nominal.lever);
         let off = vector::sub(vector::sub(pose.position_m, self.nominal.position), arm);
         // d(Exp(φ) R l) = φ × R l
         let cross = [[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]];
-        for j in 0..3 {
-            let mut h = [0.0; N];
-            h[POS + j] = 1.0;
-            for l in 0..3 {
-                h[PHI + l] = cross[j][l];
-                if let Some(slot) = h.get_mut(LEVER + l) {
-                    *slot = matrix[j][l];
-                }
-            }
-            let r = noise.position_m * noise.position_m;
-            let measured = self.covariance.measure_row(error, &h, off[j], r);
-            step.keep(Row::Mixed(h), measured);
-        }
+        let variance = noise.position_m * noise.position_m;
+        self.step.take(&mut self.covariance, error, Rows::Arm(cross, matrix), off, variance);
     }
 
     fn add_noise(&mut self, sums: &Interval) {

@@ -8,12 +8,15 @@ use alloc::collections::VecDeque;
 use alloc::vec::Vec;
 
 use super::backward::Adjoint;
+use super::covariance::Covariance;
+use super::engine::Step;
 use super::guard::Sample;
-use super::model::STATES;
+use super::model::{PHI, STATES};
 use super::online::{State, check, compose, stated};
 use super::runner::{Runner, heading_between};
 use super::segments::{Forward, Kind, Segment};
 use super::settings::Settings;
+use super::smoother::back;
 use crate::error::{Error, Result};
 use crate::filter::exponential::exp_half;
 use crate::quaternion::Quaternion;
@@ -22,7 +25,7 @@ use crate::vector;
 /// Longest delay, s.
 const LONGEST_S: f64 = 10.0;
 
-/// The delayed estimator. Memory: about 12 kB an update ([`Settings::update_s`]) of delay.
+/// The delayed estimator. Memory: about 8 kB an update ([`Settings::update_s`]) of delay.
 #[derive(Clone, Debug)]
 pub struct FixedLag {
     forward: Forward<STATES, 2>,
@@ -30,9 +33,17 @@ pub struct FixedLag {
     state: State,
     /// Samples not yet given out: state as known at once, attitude of the quick filter, step, s.
     waiting: VecDeque<(State, Quaternion, f64)>,
-    segments: VecDeque<Segment<STATES>>,
+    segments: VecDeque<Kept>,
     /// The last segment given out.
-    before: Option<Segment<STATES>>,
+    before: Option<Kept>,
+}
+
+/// A segment with what the backward pass needs of it.
+#[derive(Clone, Debug)]
+struct Kept {
+    segment: Segment,
+    step: Step,
+    covariance: Covariance<STATES>,
 }
 
 impl FixedLag {
@@ -57,12 +68,13 @@ impl FixedLag {
 
     /// Takes a sample and appends the states that have waited long enough to `out`, in order, one a sample.
     pub fn update(&mut self, sample: &Sample, out: &mut Vec<State>) {
-        let (nominal, segment) = self.forward.push(sample, None, None);
+        let segment = self.forward.push(sample, None, None);
+        let passing = self.forward.passing(segment.as_ref());
         self.state = compose(&self.forward.runner, sample, self.state.rate_rad_s);
         let step = if sample.dt_s > 0.0 && sample.dt_s < f64::INFINITY { sample.dt_s } else { 0.0 };
-        self.waiting.push_back((self.state, nominal.world_from_body, step));
+        self.waiting.push_back((self.state, passing.world_from_body, step));
         if let Some(segment) = segment {
-            self.segments.push_back(segment);
+            self.keep(segment);
             while self.oldest_has_waited() {
                 self.release(out);
             }
@@ -72,34 +84,41 @@ impl FixedLag {
     /// Appends the states that still wait, at the end of the samples.
     pub fn finish(mut self, out: &mut Vec<State>) {
         if let Some(segment) = self.forward.finish() {
-            self.segments.push_back(segment);
+            self.keep(segment);
         }
         while !self.segments.is_empty() {
             self.release(out);
         }
     }
 
+    fn keep(&mut self, segment: Segment) {
+        let (step, covariance) = (*self.forward.step(), *self.forward.covariance());
+        self.segments.push_back(Kept { segment, step, covariance });
+    }
+
     fn oldest_has_waited(&self) -> bool {
         let Some(oldest) = self.segments.front() else { return false };
-        let later: f64 = self.waiting.iter().skip(oldest.samples.len()).map(|(_, _, step)| step).sum();
+        let later: f64 =
+            self.waiting.iter().skip(oldest.segment.samples.len()).map(|(_, _, step)| step).sum();
         later + 1e-9 >= self.lag_s
     }
 
     /// Gives out the samples of the oldest segment.
     fn release(&mut self, out: &mut Vec<State>) {
-        let mut adjoint = Adjoint::new(true);
-        for segment in self.segments.iter().skip(1).rev() {
-            back(&mut adjoint, segment);
+        let mut adjoint = Adjoint::new();
+        for later in self.segments.iter().skip(1).rev() {
+            back(&mut adjoint, later.segment.kind, &later.step, &later.covariance);
         }
-        let Some(segment) = self.segments.pop_front() else { return };
-        let error = adjoint.error(&segment.covariance);
+        let Some(kept) = self.segments.pop_front() else { return };
+        let Kept { segment, step, covariance } = &kept;
+        let error = adjoint.error(covariance);
         let smoothed = segment.nominal.moved(&error).world_from_body;
-        let tilt = adjoint.attitude_covariance(&segment.covariance);
+        let tilt = adjoint.covariance(covariance, PHI);
         let end_turn = match segment.kind {
             Kind::Tail => [error[0], error[1], error[2]],
             _ => smoothed.product(segment.before.world_from_body.conjugate()).to_rotation_vector(),
         };
-        back(&mut adjoint, &segment);
+        back(&mut adjoint, segment.kind, step, covariance);
         let start_turn = match (segment.kind, &self.before) {
             (Kind::Interval, Some(before)) => {
                 let error = adjoint.error(&before.covariance);
@@ -118,16 +137,6 @@ impl FixedLag {
             let covariance = stated(tilt, settings.quick_sigma_share, state.covariance_rad2[2][2]);
             out.push(State::new(q, state.rate_rad_s, state.gyro_bias_rad_s, covariance, state.rest));
         }
-        self.before = Some(segment);
-    }
-}
-
-/// Back through a segment of any kind.
-pub(super) fn back<const N: usize>(adjoint: &mut Adjoint<N>, segment: &Segment<N>) {
-    match segment.kind {
-        Kind::Interval => adjoint.back(&segment.step),
-        Kind::Tail => {}
-        Kind::Level => adjoint.restart(),
-        Kind::Start => adjoint.forget(),
+        self.before = Some(kept);
     }
 }

@@ -5,6 +5,7 @@
 //! that the large one has stored is applied to its readings.
 
 use super::covariance::Covariance;
+use super::engine::Rows;
 use super::guard::{Checked, Guard, Reading, Sample};
 use super::level::Leveller;
 use super::online::{State, check};
@@ -220,19 +221,18 @@ impl LightEstimator {
             (sq(SPEED_SHARE) * self.speed_squared).max(sq(SPEED_FLOOR))
         };
         let mut error = [0.0; LIGHT];
-        for j in 0..3 {
-            self.covariance.measure(&mut error, VEL + j, -v[j], density / t);
-        }
+        self.covariance.measure(&mut error, &Rows::States(VEL), vector::scale(v, -1.0), density / t);
         if rest && sums.blind_s == 0.0 {
+            let r = sq(quick.rest_rate) / t;
+            let mut z = [0.0; 3];
             for j in 0..3 {
-                let z = sums.gyro[j] / t - self.bias[j];
-                let off = z - error[BIAS + j];
-                let r = sq(quick.rest_rate) / t;
+                z[j] = sums.gyro[j] / t - self.bias[j];
+                let off = z[j] - error[BIAS + j];
                 if off * off > 36.0 * (self.covariance.0[BIAS + j][BIAS + j] + r) {
                     self.covariance.0[BIAS + j][BIAS + j] += off * off;
                 }
-                self.covariance.measure(&mut error, BIAS + j, z, r);
             }
+            self.covariance.measure(&mut error, &Rows::States(BIAS), z, r);
         }
         let turn = exp_half([0.5 * error[0], 0.5 * error[1], 0.5 * error[2]]);
         self.q = turn.product(self.q).normalized();

@@ -34,6 +34,7 @@ mod segments;
 mod settings;
 #[cfg(feature = "alloc")]
 mod smoother;
+mod transition;
 mod watch;
 
 #[cfg(feature = "alloc")]
@@ -48,4 +49,4 @@ pub use online::{Estimator, State};
 pub use rest::RestLimits;
 pub use settings::{Model, Settings};
 #[cfg(feature = "alloc")]
-pub use smoother::{Smoothed, smooth};
+pub use smoother::{InTurn, Pair, Smoothed, smooth, smooth_each};

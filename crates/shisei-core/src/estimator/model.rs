@@ -128,8 +128,8 @@ impl Nominal {
 pub(super) struct Interval {
     /// −Σ R dt: from gyroscope bias to attitude.
     pub attitude_by_bias: [Vec3; 3],
-    /// −Σ R y dt: from gyroscope matrix to attitude.
-    pub attitude_by_matrix: [[f64; 9]; 3],
+    /// −Σ R y dt: from the gyroscope matrix to attitude, a matrix for each of its rows.
+    pub attitude_by_matrix: [[Vec3; 3]; 3],
     /// −Σ R dt with the attitude of the accelerations: from accelerometer bias to velocity.
     pub velocity_by_bias: [Vec3; 3],
     /// −Σ R diag(a) dt: from accelerometer scale to velocity.
@@ -138,8 +138,6 @@ pub(super) struct Interval {
     pub force: Vec3,
     /// Σ |w|² dt.
     pub rate_squared: f64,
-    /// Σ |f − g|² dt.
-    pub motion_squared: f64,
     /// Σ |change of a|² dt².
     pub acc_change_squared: f64,
     /// Σ |change of y|² dt².
@@ -169,15 +167,15 @@ pub(super) struct Corrected {
 }
 
 impl Interval {
-    /// Adds a sample; `linear` is its acceleration without gravity, m/s², world.
+    /// Adds a sample.
     #[inline]
-    pub(super) fn add(&mut self, sample: &Corrected, linear: Vec3, dt: f64) {
+    pub(super) fn add(&mut self, sample: &Corrected, dt: f64) {
         for j in 0..3 {
             for l in 0..3 {
                 let turn = sample.middle[j][l] * dt;
                 self.attitude_by_bias[j][l] -= turn;
                 for c in 0..3 {
-                    self.attitude_by_matrix[j][3 * l + c] -= turn * sample.gyro[c];
+                    self.attitude_by_matrix[l][j][c] -= turn * sample.gyro[c];
                 }
                 let push = sample.at_force[j][l] * dt;
                 self.velocity_by_bias[j][l] -= push;
@@ -187,7 +185,6 @@ impl Interval {
             self.gyro[j] += sample.gyro[j] * dt;
         }
         self.rate_squared += vector::dot(sample.rate, sample.rate) * dt;
-        self.motion_squared += vector::dot(linear, linear) * dt;
         self.time_s += dt;
     }
 }

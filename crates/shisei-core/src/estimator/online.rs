@@ -81,7 +81,7 @@ impl Estimator {
     /// acceleration (not finite, beyond the limits, or stuck) is bridged by the one before while the stated
     /// uncertainty grows; after more than [`Settings::gap_s`] without, the level is found anew.
     pub fn update(&mut self, sample: &Sample) -> State {
-        let event = self.runner.take(sample, None, None, None);
+        let event = self.runner.take(sample, None, None);
         if event != Event::Useless {
             self.state = compose(&self.runner, sample, self.state.rate_rad_s);
         }

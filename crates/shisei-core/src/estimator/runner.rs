@@ -1,7 +1,7 @@
 //! Filters on a stream of samples: start, gaps, rests, and the watch that starts them anew when what they say
 //! can no longer be.
 
-use super::engine::{Engine, OpticalNoise, OpticalPose, Step};
+use super::engine::{Engine, OpticalNoise, OpticalPose};
 use super::guard::{Checked, Guard, Sample};
 use super::level::Leveller;
 use super::model::Nominal;
@@ -84,14 +84,12 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         Engine::new(model, settings.gravity_m_s2, known, Quaternion::IDENTITY, sigma, lever_m)
     }
 
-    /// Takes a sample. `rest` overrules the search for rests; `pose` is the optical pose of the sample; `record`
-    /// receives what the end of an interval did in the first filter.
+    /// Takes a sample. `rest` stands for the search for rests; `pose` is the optical pose of the sample.
     pub(super) fn take(
         &mut self,
         sample: &Sample,
         rest: Option<bool>,
         pose: Option<(&OpticalPose, &OpticalNoise)>,
-        record: Option<&mut Step<N>>,
     ) -> Event {
         let (mut reading, gap_s) = match self.guard.check(sample, &self.settings) {
             Checked::Useless => return Event::Useless,
@@ -102,9 +100,10 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         if gap_s.is_some() {
             self.rest.restart();
         }
-        let limits = self.settings.rest;
-        let found = self.rest.update(&limits, &reading);
-        self.at_rest = rest.unwrap_or(found);
+        self.at_rest = match rest {
+            Some(rest) => rest,
+            None => self.rest.update(&self.settings.rest, &reading),
+        };
         let begins = gap_s.is_some() || self.given_up || (self.level.is_none() && !self.started);
         if begins {
             let turned = gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s;
@@ -127,7 +126,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             engine.add(&reading);
         }
         let due = self.engines[0].sums.time_s + 0.5 * reading.dt_s >= self.settings.update_s;
-        if due { self.close(pose, record) } else { Event::Moved }
+        if due { self.close(pose) } else { Event::Moved }
     }
 
     /// Ends a level that is still being found; false where there is none.
@@ -162,15 +161,11 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         self.watch = Watch::new(self.settings.gravity_m_s2);
     }
 
-    fn close(
-        &mut self,
-        pose: Option<(&OpticalPose, &OpticalNoise)>,
-        mut record: Option<&mut Step<N>>,
-    ) -> Event {
+    fn close(&mut self, pose: Option<(&OpticalPose, &OpticalNoise)>) -> Event {
         let sums = &self.engines[0].sums;
         let strange = sums.blind_force_s == 0.0 && self.watch.update(sums.force, sums.time_s);
         for engine in &mut self.engines {
-            engine.close(self.at_rest, pose, record.take());
+            engine.close(self.at_rest, pose);
         }
         if !strange && self.engines.iter().all(Engine::is_sound) {
             return Event::Closed;
@@ -179,6 +174,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             let q = engine.nominal.world_from_body;
             let mut fresh = Self::fresh(&self.settings, &engine.model, self.lever_m);
             fresh.nominal = Nominal::new(if q.is_finite() { q } else { Quaternion::IDENTITY });
+            fresh.step = engine.step;
             *engine = fresh;
         }
         self.given_up = true;

@@ -1,15 +1,17 @@
 //! The forward pass over a recording, segment by segment, with what the backward pass needs of each.
 
+use alloc::vec::Vec;
+use core::ops::Range;
+
 use super::covariance::Covariance;
-use super::engine::{Engine, OpticalNoise, OpticalPose, Step};
+use super::engine::{OpticalNoise, OpticalPose, Step};
 use super::guard::Sample;
 use super::model::Nominal;
 use super::runner::{Event, Runner};
 use super::settings::Settings;
 use crate::filter::Dt;
 use crate::quaternion::Quaternion;
-use crate::vector::Vec3;
-use core::ops::Range;
+use crate::vector::{self, Vec3};
 
 /// What a segment is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,19 +26,31 @@ pub(super) enum Kind {
     Start,
 }
 
-/// A segment and the filter after it.
+/// A segment.
 #[derive(Clone, Debug)]
-pub(super) struct Segment<const N: usize> {
+pub(super) struct Segment {
     pub samples: Range<usize>,
     pub kind: Kind,
     /// The state at its end, before the measurements.
     pub before: Nominal,
     /// The state after them.
     pub nominal: Nominal,
-    pub covariance: Covariance<N>,
-    pub step: Step<N>,
     /// Variance that gaps have added to the heading, rad².
     pub heading_lost: f64,
+}
+
+/// What the forward pass has after a sample, for the backward pass to correct.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Passing {
+    pub world_from_body: Quaternion,
+    pub velocity: Vec3,
+    pub position: Vec3,
+}
+
+impl Passing {
+    fn of(state: &Nominal) -> Self {
+        Passing { world_from_body: state.world_from_body, velocity: state.velocity, position: state.position }
+    }
 }
 
 /// The recording.
@@ -44,6 +58,8 @@ pub(super) struct Segment<const N: usize> {
 pub(super) struct Recording<'a> {
     pub acc: &'a [Vec3],
     pub gyro: &'a [Vec3],
+    /// Taken off every rate, rad/s.
+    pub bias: Vec3,
     pub dt: Dt<'a>,
     pub rest: &'a [bool],
     /// Optical poses, one a sample, or none at all.
@@ -54,14 +70,20 @@ pub(super) struct Recording<'a> {
 }
 
 impl Recording<'_> {
+    pub(super) fn rate(&self, k: usize) -> Vec3 {
+        vector::sub(self.gyro[k], self.bias)
+    }
+
     pub(super) fn sample(&self, k: usize) -> Sample {
-        Sample { gyro_rad_s: self.gyro[k], acc_m_s2: self.acc[k], dt_s: self.dt.at(k) }
+        Sample { gyro_rad_s: self.rate(k), acc_m_s2: self.acc[k], dt_s: self.dt.at(k) }
     }
 
     /// The rate of sample k, corrected, and the step to it; none where it is unreadable or past a gap.
     fn ahead(&self, k: usize, settings: &Settings) -> Option<(Vec3, f64)> {
-        let raw = *self.gyro.get(k)?;
-        let dt = self.dt.at(k);
+        if k >= self.gyro.len() {
+            return None;
+        }
+        let (raw, dt) = (self.rate(k), self.dt.at(k));
         let readable = raw.iter().all(|x| x.abs() <= settings.gyro_limit_rad_s);
         let usable = dt > 0.0 && dt <= settings.gap_s;
         if !(readable && usable) {
@@ -76,79 +98,79 @@ impl Recording<'_> {
 pub(super) struct Forward<const N: usize, const E: usize> {
     pub runner: Runner<N, E>,
     /// The sample to come.
-    next: usize,
+    pub next: usize,
     /// The first sample of the segment under way.
     start: usize,
     started: bool,
     given_up: bool,
-    /// What the end of the last interval did.
-    step: Step<N>,
 }
 
 impl<const N: usize, const E: usize> Forward<N, E> {
     pub(super) fn new(runner: Runner<N, E>) -> Self {
-        Forward { runner, next: 0, start: 0, started: false, given_up: false, step: Step::empty() }
+        Forward { runner, next: 0, start: 0, started: false, given_up: false }
     }
 
-    /// Takes a sample; gives the state as the filter has it (while the level is being found, the attitude as the
-    /// gyroscope carries it), and the segment that it ends.
+    /// Takes a sample; gives the segment that it ends, of which [`Forward::step`] and [`Forward::covariance`]
+    /// tell the rest.
     pub(super) fn push(
         &mut self,
         sample: &Sample,
         rest: Option<bool>,
         pose: Option<(&OpticalPose, &OpticalNoise)>,
-    ) -> (Nominal, Option<Segment<N>>) {
+    ) -> Option<Segment> {
         let k = self.next;
         self.next += 1;
-        let carried = |runner: &Runner<N, E>| match &runner.level {
-            Some(level) => Nominal { world_from_body: level.carried, ..runner.engines[0].nominal },
-            None => runner.engines[0].nominal,
-        };
         let lost_before = self.runner.heading_lost;
-        match self.runner.take(sample, rest, pose, Some(&mut self.step)) {
-            Event::Useless | Event::Levelling => (carried(&self.runner), None),
+        match self.runner.take(sample, rest, pose) {
+            Event::Useless | Event::Levelling | Event::Moved => None,
             Event::LevelBegins => {
-                let q = carried(&self.runner);
                 if !self.started || self.start >= k {
-                    return (q, None);
+                    return None;
                 }
-                let samples = self.start..k;
-                self.start = k;
-                let heading_lost = lost_before;
-                let Engine { nominal, covariance, .. } = self.runner.engines[0];
-                (
-                    q,
-                    Some(Segment {
-                        samples,
-                        kind: Kind::Tail,
-                        before: nominal,
-                        nominal,
-                        covariance,
-                        step: self.step,
-                        heading_lost,
-                    }),
-                )
+                let before = self.runner.engines[0].nominal;
+                let mut segment = self.end(k, Kind::Tail, before);
+                segment.heading_lost = lost_before;
+                Some(segment)
             }
-            Event::Levelled => {
-                let segment = self.levelled(k + 1);
-                (segment.before, Some(segment))
-            }
-            Event::Moved => (self.runner.engines[0].nominal, None),
-            Event::Closed => {
-                let segment = self.end(k + 1, Kind::Interval, self.step.before);
-                (segment.before, Some(segment))
-            }
+            Event::Levelled => Some(self.levelled(k + 1)),
+            Event::Closed => Some(self.end(k + 1, Kind::Interval, self.step().before)),
             Event::GivenUp => {
                 self.given_up = true;
-                let mut segment = self.end(k + 1, Kind::Tail, self.step.before);
+                let mut segment = self.end(k + 1, Kind::Tail, self.step().before);
                 segment.nominal = segment.before;
-                (segment.before, Some(segment))
+                Some(segment)
             }
         }
     }
 
+    /// What the end of the last interval did.
+    pub(super) fn step(&self) -> &Step {
+        &self.runner.engines[0].step
+    }
+
+    /// The covariance after the last segment.
+    pub(super) fn covariance(&self) -> &Covariance<N> {
+        &self.runner.engines[0].covariance
+    }
+
+    /// The state as the filter has it after the last sample, which ended this segment, if any; while the level is
+    /// being found the attitude is that which the gyroscope carries.
+    pub(super) fn passing(&self, segment: Option<&Segment>) -> Passing {
+        let nominal = &self.runner.engines[0].nominal;
+        match (segment, &self.runner.level) {
+            (Some(segment), _) if segment.samples.end == self.next => Passing::of(&segment.before),
+            (_, Some(level)) => Passing { world_from_body: level.carried, ..Passing::of(nominal) },
+            (_, None) => Passing::of(nominal),
+        }
+    }
+
+    /// True between segments: the last sample ended one, and none begins before the next sample.
+    pub(super) fn is_between(&self) -> bool {
+        self.start == self.next
+    }
+
     /// Ends the segment under way, with the recording.
-    pub(super) fn finish(&mut self) -> Option<Segment<N>> {
+    pub(super) fn finish(&mut self) -> Option<Segment> {
         let rows = self.next;
         if self.start >= rows {
             return None;
@@ -158,13 +180,13 @@ impl<const N: usize, const E: usize> Forward<N, E> {
         }
         let rest = self.runner.at_rest;
         let engine = &mut self.runner.engines[0];
-        self.step.before = engine.nominal;
+        let before = engine.nominal;
         let kind = if engine.sums.time_s > 0.0 { Kind::Interval } else { Kind::Tail };
-        engine.close(rest, None, Some(&mut self.step));
-        Some(self.end(rows, kind, self.step.before))
+        engine.close(rest, None);
+        Some(self.end(rows, kind, before))
     }
 
-    fn levelled(&mut self, end: usize) -> Segment<N> {
+    fn levelled(&mut self, end: usize) -> Segment {
         let carried = self.runner.last_level.map_or(Quaternion::IDENTITY, |level| level.carried);
         let carried = Nominal { world_from_body: carried, ..self.runner.engines[0].nominal };
         let kind = if self.started && !self.given_up { Kind::Level } else { Kind::Start };
@@ -173,44 +195,72 @@ impl<const N: usize, const E: usize> Forward<N, E> {
         self.end(end, kind, carried)
     }
 
-    fn end(&mut self, end: usize, kind: Kind, before: Nominal) -> Segment<N> {
+    fn end(&mut self, end: usize, kind: Kind, before: Nominal) -> Segment {
         let samples = self.start..end;
         self.start = end;
-        let engine = &self.runner.engines[0];
-        Segment {
-            samples,
-            kind,
-            before,
-            nominal: engine.nominal,
-            covariance: engine.covariance,
-            step: self.step,
-            heading_lost: self.runner.heading_lost,
-        }
+        let nominal = self.runner.engines[0].nominal;
+        Segment { samples, kind, before, nominal, heading_lost: self.runner.heading_lost }
     }
 }
 
 impl<const N: usize> Forward<N, 1> {
-    /// The next segment of a recording; `state` receives each sample's state as the filter has it.
-    pub(super) fn segment(
-        &mut self,
-        recording: &Recording<'_>,
-        mut state: impl FnMut(usize, &Nominal),
-    ) -> Option<Segment<N>> {
-        while self.next < recording.acc.len() {
-            let k = self.next;
-            if let Some(&bound) = recording.bounds.get(k) {
-                let model = &mut self.runner.engines[0].model;
-                let density = if bound > 0.0 { 1.0 / bound } else { 0.0 };
-                (model.speed_floor, model.position_spread) = (density, density);
+    /// The next sample of a recording, or its end: the segment that this ends, and whether there was a sample.
+    #[inline]
+    pub(super) fn sample(&mut self, recording: &Recording<'_>) -> (Option<Segment>, bool) {
+        let k = self.next;
+        if k >= recording.acc.len() {
+            return (self.finish(), false);
+        }
+        if let Some(&bound) = recording.bounds.get(k) {
+            let model = &mut self.runner.engines[0].model;
+            let density = if bound > 0.0 { 1.0 / bound } else { 0.0 };
+            (model.speed_floor, model.position_spread) = (density, density);
+        }
+        let pose = recording.poses.get(k).and_then(Option::as_ref).map(|pose| (pose, &recording.noise));
+        self.runner.ahead = recording.ahead(k + 1, &self.runner.settings);
+        (self.push(&recording.sample(k), Some(recording.rest[k]), pose), true)
+    }
+}
+
+/// Segments one after another, each with what the backward pass needs of it.
+#[derive(Clone, Debug)]
+pub(super) struct Chunk<const N: usize> {
+    /// The covariance before the first segment.
+    pub before: Covariance<N>,
+    pub segments: Vec<Segment>,
+    pub steps: Vec<Step>,
+    pub covariances: Vec<Covariance<N>>,
+    /// The first sample, and the filter's states from there on.
+    pub first: usize,
+    pub passing: Vec<Passing>,
+}
+
+impl<const N: usize> Chunk<N> {
+    /// The segments from where `forward` is up to the sample `end`, or to the end of the recording with it.
+    pub(super) fn forward(mut forward: Forward<N, 1>, recording: &Recording<'_>, end: usize) -> Self {
+        let mut chunk = Chunk {
+            before: *forward.covariance(),
+            segments: Vec::new(),
+            steps: Vec::new(),
+            covariances: Vec::new(),
+            first: forward.next,
+            passing: Vec::with_capacity(end - forward.next),
+        };
+        let whole = end == recording.acc.len();
+        while forward.next < end || whole {
+            let (segment, sampled) = forward.sample(recording);
+            if sampled {
+                chunk.passing.push(forward.passing(segment.as_ref()));
             }
-            let pose = recording.poses.get(k).and_then(Option::as_ref).map(|pose| (pose, &recording.noise));
-            self.runner.ahead = recording.ahead(k + 1, &self.runner.settings);
-            let (nominal, segment) = self.push(&recording.sample(k), Some(recording.rest[k]), pose);
-            state(k, &nominal);
-            if segment.is_some() {
-                return segment;
+            if let Some(segment) = segment {
+                chunk.segments.push(segment);
+                chunk.steps.push(*forward.step());
+                chunk.covariances.push(*forward.covariance());
+            }
+            if !sampled {
+                break;
             }
         }
-        self.finish()
+        chunk
     }
 }

@@ -65,7 +65,7 @@ pub struct Model {
 pub struct Settings {
     /// g, m/s²: gravity where the sensor is. Default 9.80665. An error of 0.03 is learnt as scale.
     pub gravity_m_s2: f64,
-    /// T, s: time between updates of the covariance. Default 0.07. Smaller values cost time and change little.
+    /// T, s: time between updates of the covariance. Default 0.14. Smaller values cost time and change little.
     pub update_s: f64,
     /// The quick filter: tilt of the online form and of the fixed lag.
     pub quick: Model,
@@ -104,7 +104,7 @@ impl Default for Settings {
     fn default() -> Self {
         Settings {
             gravity_m_s2: crate::STANDARD_GRAVITY_M_S2,
-            update_s: 0.07,
+            update_s: 0.14,
             quick: QUICK,
             calm: CALM,
             bridge: BRIDGE,

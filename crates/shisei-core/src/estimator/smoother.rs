@@ -2,21 +2,22 @@
 //!
 //! A forward pass of the calm filter, then the backward pass. The forward pass is run twice: once to leave a copy
 //! of the filter every [`CHUNK`] updates, and again for each chunk, from the last to the first, to have what the
-//! backward pass needs of that chunk only. So the memory beside the result does not grow with the recording (about
-//! 25 MB), and the result is that of one pass over all of it.
+//! backward pass needs of that chunk only. So the memory beside the result hardly grows with the recording, and the
+//! result is that of one pass over all of it. While the backward pass goes through one chunk, the forward pass can
+//! make the one before: [`Pair`].
 
 use alloc::vec::Vec;
 
 use super::backward::Adjoint;
 use super::calibration::Calibration;
-use super::engine::OpticalNoise;
+use super::covariance::Covariance;
+use super::engine::{OpticalNoise, Step};
 use super::guard::{Checked, Guard};
-use super::lag::back;
-use super::model::{Nominal, POS, STATES, VEL};
+use super::model::{Nominal, PHI, POS, STATES, VEL};
 use super::online::{State, check, stated};
 use super::rest::RestFinder;
 use super::runner::Runner;
-use super::segments::{Forward, Kind, Recording, Segment};
+use super::segments::{Chunk, Forward, Kind, Recording, Segment};
 use super::settings::Settings;
 use crate::error::{Error, Result};
 use crate::filter::exponential::exp_half;
@@ -24,10 +25,28 @@ use crate::filter::{self, Dt};
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
-/// Updates of a chunk: about 12 kB each.
-pub(super) const CHUNK: usize = 2048;
+/// Updates of a chunk: about 8 kB each, and two chunks at a time.
+pub(super) const CHUNK: usize = 512;
 /// How far before its discovery a rest began, as a share of [`super::RestLimits::hold_s`].
 const REST_BACK: f64 = 0.7;
+
+/// How two pieces of work are done: [`InTurn`], or side by side by a caller that has threads. The result is the
+/// same to the bit.
+pub trait Pair {
+    /// Does both and returns what `other` returns; `own` is done on the caller's thread.
+    fn both<A: Send>(&self, other: impl FnOnce() -> A + Send, own: impl FnOnce()) -> A;
+}
+
+/// One after the other.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InTurn;
+
+impl Pair for InTurn {
+    fn both<A: Send>(&self, other: impl FnOnce() -> A + Send, own: impl FnOnce()) -> A {
+        own();
+        other()
+    }
+}
 
 /// A recording's states, and what was learnt of the sensor.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,15 +63,41 @@ pub struct Smoothed {
 /// Unreadable samples are treated as [`super::Estimator::update`] treats them. Refused: unequal lengths, no
 /// samples, settings out of range.
 pub fn smooth(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt: Dt<'_>, settings: &Settings) -> Result<Smoothed> {
+    let nothing = State::new(Quaternion::IDENTITY, [0.0; 3], [0.0; 3], [[0.0; 3]; 3], false);
+    let mut states = alloc::vec![nothing; acc_m_s2.len()];
+    let keep = |k: usize, state: &State| states[k] = *state;
+    let calibration = smooth_each(acc_m_s2, gyro_rad_s, [0.0; 3], dt, settings, &InTurn, keep)?;
+    Ok(Smoothed { states, calibration })
+}
+
+/// As [`smooth`], with less memory: `gyro_bias_rad_s` is taken off every rate first, and `state` receives every
+/// sample's number and state, in an order of its own. Returns what was learnt of the sensor, without that bias.
+pub fn smooth_each(
+    acc_m_s2: &[Vec3],
+    gyro_rad_s: &[Vec3],
+    gyro_bias_rad_s: Vec3,
+    dt: Dt<'_>,
+    settings: &Settings,
+    pair: &impl Pair,
+    mut state: impl FnMut(usize, &State),
+) -> Result<Calibration> {
     lengths(acc_m_s2, gyro_rad_s, dt)?;
     check(settings)?;
-    let rest = rests(acc_m_s2, gyro_rad_s, dt, settings);
     let noise = OpticalNoise { attitude_rad: 1.0, position_m: 1.0, lever_m: 0.0 };
-    let recording =
-        Recording { acc: acc_m_s2, gyro: gyro_rad_s, dt, rest: &rest, poses: &[], noise, bounds: &[] };
+    let mut recording = Recording {
+        acc: acc_m_s2,
+        gyro: gyro_rad_s,
+        bias: gyro_bias_rad_s,
+        dt,
+        rest: &[],
+        poses: &[],
+        noise,
+        bounds: &[],
+    };
+    let rest = rests(&recording, settings);
+    recording.rest = &rest;
     let runner = Runner::<STATES, 1>::new(settings, [&settings.calm], 0.0);
-    let (details, calibration) = run(&recording, runner, CHUNK);
-    Ok(Smoothed { states: details.into_iter().map(|detail| detail.state).collect(), calibration })
+    Ok(run(&recording, runner, CHUNK, pair, |k, detail| state(k, &detail.state)))
 }
 
 pub(super) fn lengths(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>) -> Result<()> {
@@ -67,12 +112,12 @@ pub(super) fn lengths(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>) -> Result<()> {
 }
 
 /// Which samples are at rest: as found while they come, and back to where it must have begun.
-pub(super) fn rests(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>, settings: &Settings) -> Vec<bool> {
+pub(super) fn rests(recording: &Recording<'_>, settings: &Settings) -> Vec<bool> {
     let (mut guard, mut finder) = (Guard::default(), RestFinder::default());
-    let mut rest: Vec<bool> = Vec::with_capacity(acc.len());
-    for k in 0..acc.len() {
-        let sample = super::guard::Sample { gyro_rad_s: gyro[k], acc_m_s2: acc[k], dt_s: dt.at(k) };
-        let reading = match guard.check(&sample, settings) {
+    let rows = recording.acc.len();
+    let mut rest: Vec<bool> = Vec::with_capacity(rows);
+    for k in 0..rows {
+        let reading = match guard.check(&recording.sample(k), settings) {
             Checked::Useless => {
                 rest.push(false);
                 continue;
@@ -92,7 +137,7 @@ pub(super) fn rests(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>, settings: &Settings
         } else if left_s > 0.0 {
             rest[k] = true;
         }
-        let step = dt.at(k);
+        let step = recording.dt.at(k);
         left_s = if step > 0.0 && step <= settings.gap_s { left_s - step } else { 0.0 };
     }
     rest
@@ -108,141 +153,170 @@ pub(super) struct Detail {
     pub sigma_position: f64,
 }
 
-impl Detail {
-    /// Keeps what the forward pass had, for the backward pass to correct.
-    fn keep(&mut self, now: &Nominal) {
-        self.state.world_from_body = now.world_from_body;
-        self.velocity = now.velocity;
-        self.position = now.position;
-    }
-}
-
-/// A segment whose filter state is smoothed, and whose samples wait for the segment before.
-struct Pending<const N: usize> {
-    segment: Segment<N>,
-    smoothed: Nominal,
-    error: [f64; N],
-    covariance: [Vec3; 3],
-    sigma_position: f64,
-}
-
-/// Both passes.
+/// Both passes; `sink` receives every sample's number and state.
 pub(super) fn run<const N: usize>(
     recording: &Recording<'_>,
     runner: Runner<N, 1>,
     chunk: usize,
-) -> (Vec<Detail>, Calibration) {
+    pair: &impl Pair,
+    mut sink: impl FnMut(usize, &Detail),
+) -> Calibration {
     let settings = runner.settings;
     let model = runner.engines[0].model;
+    let rows = recording.acc.len();
     let mut forward = Forward::new(runner);
     let mut points = alloc::vec![forward.clone()];
-    let mut segments: Vec<Segment<N>> = Vec::new();
-    let rows = recording.acc.len();
-    let nothing = State::new(Quaternion::IDENTITY, [0.0; 3], [0.0; 3], [[0.0; 3]; 3], false);
-    let blank = Detail { state: nothing, velocity: [0.0; 3], position: [0.0; 3], sigma_position: 0.0 };
-    let mut out = alloc::vec![blank; rows];
     let mut count = 0;
-    while forward.segment(recording, |_, _| {}).is_some() {
-        count += 1;
-        if count % chunk == 0 {
+    loop {
+        let (segment, sampled) = forward.sample(recording);
+        count += usize::from(segment.is_some());
+        if !sampled {
+            break;
+        }
+        if count >= chunk && forward.is_between() && forward.next < rows {
             points.push(forward.clone());
+            count = 0;
         }
     }
     let end = &forward.runner.engines[0];
     let before = settings.calibration.unwrap_or(Calibration::unknown(&model));
     let calibration = before.followed_by(&end.nominal, &end.covariance);
 
-    let mut adjoint = Adjoint::new(true);
-    let mut pending: Option<Pending<N>> = None;
-    for point in points.iter_mut().rev() {
-        segments.clear();
-        while segments.len() < chunk {
-            let Some(segment) = point.segment(recording, |k, now| out[k].keep(now)) else {
-                break;
-            };
-            segments.push(segment);
-        }
-        while let Some(segment) = segments.pop() {
-            let error = adjoint.error(&segment.covariance);
-            let smoothed = segment.nominal.moved(&error);
-            if let Some(later) = pending.take() {
-                finish(&mut out, recording, &settings, &later, Some(&error));
-            }
-            let covariance = adjoint.attitude_covariance(&segment.covariance);
-            let sigma_position = if N > STATES {
-                let sum: f64 = (0..3).map(|j| adjoint.variance(&segment.covariance, POS + j)).sum();
-                crate::math::sqrt(sum)
-            } else {
-                0.0
-            };
-            back(&mut adjoint, &segment);
-            pending = Some(Pending { segment, smoothed, error, covariance, sigma_position });
-        }
+    let mut backward = Backward { recording, settings, adjoint: Adjoint::new() };
+    let mut ready: Option<Chunk<N>> = None;
+    let mut end = rows;
+    while let Some(point) = points.pop() {
+        let first = point.next;
+        let made = pair.both(
+            || Chunk::forward(point, recording, end),
+            || {
+                if let Some(chunk) = &ready {
+                    backward.chunk(chunk, &mut sink);
+                }
+            },
+        );
+        ready = Some(made);
+        end = first;
     }
-    if let Some(first) = pending {
-        finish(&mut out, recording, &settings, &first, None);
+    if let Some(chunk) = &ready {
+        backward.chunk(chunk, &mut sink);
     }
-    (out, calibration)
+    calibration
 }
 
-/// Corrects the samples of a segment: by what is known at its end, and within an interval by the mean of that and
-/// what is known at its start, weighted by time.
-fn finish<const N: usize>(
-    out: &mut [Detail],
-    recording: &Recording<'_>,
-    settings: &Settings,
-    pending: &Pending<N>,
-    start: Option<&[f64; N]>,
-) {
-    let Pending { segment, smoothed, error, covariance, sigma_position } = pending;
-    // where poses are seen all noise is what it is said to be
-    let covariance = if N > STATES {
-        *covariance
-    } else {
-        let share = settings.heading_sigma_share;
-        let heading = covariance[2][2] * share * share + segment.heading_lost;
-        stated(*covariance, settings.smooth_sigma_share, heading)
-    };
-    let end_turn = match segment.kind {
-        Kind::Tail => [error[0], error[1], error[2]],
-        _ => {
-            smoothed.world_from_body.product(segment.before.world_from_body.conjugate()).to_rotation_vector()
+/// The backward pass under way.
+struct Backward<'a, const N: usize> {
+    recording: &'a Recording<'a>,
+    settings: Settings,
+    adjoint: Adjoint<N>,
+}
+
+/// What the backward pass knows at an end of a segment.
+struct Known<const N: usize> {
+    smoothed: Nominal,
+    error: [f64; N],
+    /// Of the attitude, as stated.
+    covariance: [Vec3; 3],
+    sigma_position: f64,
+}
+
+impl<const N: usize> Backward<'_, N> {
+    fn chunk(&mut self, chunk: &Chunk<N>, sink: &mut impl FnMut(usize, &Detail)) {
+        for place in (0..chunk.segments.len()).rev() {
+            let segment = &chunk.segments[place];
+            let covariance = &chunk.covariances[place];
+            let end = self.known(segment, covariance);
+            back(&mut self.adjoint, segment.kind, &chunk.steps[place], covariance);
+            let start = (segment.kind == Kind::Interval).then(|| {
+                let before = if place == 0 { &chunk.before } else { &chunk.covariances[place - 1] };
+                self.adjoint.error(before)
+            });
+            self.finish(chunk, segment, &end, start.as_ref(), sink);
         }
-    };
-    let start_turn = match (segment.kind, start) {
-        (Kind::Interval, Some(start)) => [start[0], start[1], start[2]],
-        _ => end_turn,
-    };
-    let three = |e: &[f64; N], at: usize| [e[at], e[at + 1], e[at + 2]];
-    let (end_place, end_speed) = match segment.kind {
-        Kind::Tail => (three(error, POS), three(error, VEL)),
-        _ => (
-            vector::sub(smoothed.position, segment.before.position),
-            vector::sub(smoothed.velocity, segment.before.velocity),
-        ),
-    };
-    let (start_place, start_speed) = match (segment.kind, start) {
-        (Kind::Interval, Some(start)) => (three(start, POS), three(start, VEL)),
-        _ => (end_place, end_speed),
-    };
-    let count = segment.samples.len() as f64;
-    for (place, k) in segment.samples.clone().enumerate() {
-        let share = (place as f64 + 1.0) / count;
-        let turn = vector::add(vector::scale(start_turn, 1.0 - share), vector::scale(end_turn, share));
-        let q = exp_half(vector::scale(turn, 0.5)).product(out[k].state.world_from_body).normalized();
-        let raw = recording.gyro[k];
-        let readable = raw.iter().all(|x| x.abs() <= settings.gyro_limit_rad_s);
-        let rate = match (&settings.calibration, readable) {
-            (_, false) => [0.0; 3],
-            (Some(calibration), true) => smoothed.rate(calibration.correct_gyro(raw)),
-            (None, true) => smoothed.rate(raw),
+    }
+
+    fn known(&self, segment: &Segment, p: &Covariance<N>) -> Known<N> {
+        let error = self.adjoint.error(p);
+        let attitude = self.adjoint.covariance(p, PHI);
+        let bridging = N > STATES;
+        let mut sigma_position = 0.0;
+        if bridging {
+            let place = self.adjoint.covariance(p, POS);
+            sigma_position = crate::math::sqrt(place[0][0] + place[1][1] + place[2][2]);
+        }
+        // where poses are seen all noise is what it is said to be
+        let covariance = if bridging {
+            attitude
+        } else {
+            let share = self.settings.heading_sigma_share;
+            let heading = attitude[2][2] * share * share + segment.heading_lost;
+            stated(attitude, self.settings.smooth_sigma_share, heading)
         };
-        out[k].state = State::new(q, rate, smoothed.gyro_bias, covariance, recording.rest[k]);
-        let between = |a: Vec3, b: Vec3| vector::add(vector::scale(a, 1.0 - share), vector::scale(b, share));
-        let own = vector::add(out[k].position, between(start_place, end_place));
-        out[k].position = vector::add(own, q.rotate(smoothed.lever));
-        out[k].velocity = vector::add(out[k].velocity, between(start_speed, end_speed));
-        out[k].sigma_position = *sigma_position;
+        Known { smoothed: segment.nominal.moved(&error), error, covariance, sigma_position }
+    }
+
+    /// Corrects the samples of a segment: by what is known at its end, and within an interval by the mean of that
+    /// and what is known at its start, weighted by time.
+    fn finish(
+        &self,
+        chunk: &Chunk<N>,
+        segment: &Segment,
+        end: &Known<N>,
+        start: Option<&[f64; N]>,
+        sink: &mut impl FnMut(usize, &Detail),
+    ) {
+        let Known { smoothed, error, covariance, sigma_position } = end;
+        let three = |e: &[f64; N], at: usize| [e[at], e[at + 1], e[at + 2]];
+        let before = &segment.before;
+        let (end_turn, end_place, end_speed) = match segment.kind {
+            Kind::Tail => (three(error, PHI), three(error, POS), three(error, VEL)),
+            _ => (
+                smoothed.world_from_body.product(before.world_from_body.conjugate()).to_rotation_vector(),
+                vector::sub(smoothed.position, before.position),
+                vector::sub(smoothed.velocity, before.velocity),
+            ),
+        };
+        let (start_turn, start_place, start_speed) = match start {
+            Some(start) => (three(start, PHI), three(start, POS), three(start, VEL)),
+            None => (end_turn, end_place, end_speed),
+        };
+        let blank = State::new(Quaternion::IDENTITY, [0.0; 3], smoothed.gyro_bias, *covariance, false);
+        let count = segment.samples.len() as f64;
+        for (place, k) in segment.samples.clone().enumerate() {
+            let passing = &chunk.passing[k - chunk.first];
+            let share = (place as f64 + 1.0) / count;
+            let between =
+                |a: Vec3, b: Vec3| vector::add(vector::scale(a, 1.0 - share), vector::scale(b, share));
+            let turn = between(start_turn, end_turn);
+            let q = exp_half(vector::scale(turn, 0.5)).product(passing.world_from_body).normalized();
+            let raw = self.recording.rate(k);
+            let readable = raw.iter().all(|x| x.abs() <= self.settings.gyro_limit_rad_s);
+            let rate = match (&self.settings.calibration, readable) {
+                (_, false) => [0.0; 3],
+                (Some(calibration), true) => smoothed.rate(calibration.correct_gyro(raw)),
+                (None, true) => smoothed.rate(raw),
+            };
+            let rest = self.recording.rest[k];
+            let state = State { world_from_body: q, rate_rad_s: rate, rest, ..blank };
+            let own = vector::add(passing.position, between(start_place, end_place));
+            let detail = Detail {
+                state,
+                velocity: vector::add(passing.velocity, between(start_speed, end_speed)),
+                position: vector::add(own, q.rotate(smoothed.lever)),
+                sigma_position: *sigma_position,
+            };
+            sink(k, &detail);
+        }
+    }
+}
+
+/// Back through a segment of any kind.
+pub(super) fn back<const N: usize>(adjoint: &mut Adjoint<N>, kind: Kind, step: &Step, p: &Covariance<N>) {
+    match kind {
+        Kind::Interval => adjoint.back(step, p),
+        Kind::Tail => {}
+        Kind::Level => adjoint.restart(),
+        Kind::Start => adjoint.forget(),
     }
 }
 
@@ -270,25 +344,68 @@ mod tests {
         (acc, gyro, dt)
     }
 
+    fn plain<'a>(acc: &'a [Vec3], gyro: &'a [Vec3], dt: Dt<'a>) -> Recording<'a> {
+        let noise = OpticalNoise { attitude_rad: 1.0, position_m: 1.0, lever_m: 0.0 };
+        Recording { acc, gyro, bias: [0.0; 3], dt, rest: &[], poses: &[], noise, bounds: &[] }
+    }
+
     #[test]
     fn chunks_change_no_bit() {
         let (acc, gyro, dt) = recording();
         let settings = Settings::default();
         let dt = Dt::PerSample(&dt);
-        let rest = rests(&acc, &gyro, dt, &settings);
-        let noise = OpticalNoise { attitude_rad: 1.0, position_m: 1.0, lever_m: 0.0 };
-        let recording = Recording { acc: &acc, gyro: &gyro, dt, rest: &rest, poses: &[], noise, bounds: &[] };
+        let mut recording = plain(&acc, &gyro, dt);
+        let rest = rests(&recording, &settings);
+        recording.rest = &rest;
+        let states = |chunk: usize| {
+            let runner = Runner::<STATES, 1>::new(&settings, [&settings.calm], 0.0);
+            let mut out = alloc::vec![None; acc.len()];
+            run(&recording, runner, chunk, &InTurn, |k, detail| out[k] = Some(detail.state));
+            out
+        };
+        let whole = states(1_000_000);
+        for chunk in 1..8 {
+            assert_eq!(whole, states(chunk), "{chunk}");
+        }
+        assert!(whole.iter().all(|state| state.is_some_and(|state| state.world_from_body.is_finite())));
+    }
+
+    extern crate std;
+
+    /// On two threads.
+    struct SideBySide;
+
+    impl Pair for SideBySide {
+        fn both<A: Send>(&self, other: impl FnOnce() -> A + Send, own: impl FnOnce()) -> A {
+            std::thread::scope(|scope| {
+                let other = scope.spawn(other);
+                own();
+                other.join().unwrap()
+            })
+        }
+    }
+
+    #[test]
+    fn threads_change_no_bit() {
+        let (acc, gyro, dt) = recording();
+        let (dt, settings) = (Dt::PerSample(&dt), Settings::default());
+        let mut recording = plain(&acc, &gyro, dt);
+        let rest = rests(&recording, &settings);
+        recording.rest = &rest;
+        let whole = smooth(&acc, &gyro, dt, &settings).unwrap();
         let runner = Runner::<STATES, 1>::new(&settings, [&settings.calm], 0.0);
-        let whole = run(&recording, runner, 1_000_000).0;
-        let parts = run(&recording, runner, 7).0;
-        assert!(whole.iter().zip(&parts).all(|(a, b)| a.state == b.state));
-        assert!(whole.iter().all(|detail| detail.state.world_from_body.is_finite()));
+        let mut seen = 0;
+        let calibration = run(&recording, runner, 10, &SideBySide, |k, detail| {
+            assert_eq!(detail.state, whole.states[k]);
+            seen += 1;
+        });
+        assert_eq!((seen, calibration), (acc.len(), whole.calibration));
     }
 
     #[test]
     fn rests_reach_back_to_where_they_began() {
         let (acc, gyro, dt) = recording();
-        let rest = rests(&acc, &gyro, Dt::PerSample(&dt), &Settings::default());
+        let rest = rests(&plain(&acc, &gyro, Dt::PerSample(&dt)), &Settings::default());
         let first = rest.iter().position(|&r| r).unwrap();
         assert!((25..40).contains(&first), "{first}");
         assert!(!rest[310..].iter().any(|&r| r));

@@ -1,11 +1,11 @@
 //! The estimator over a whole recording, with the same start and reference as the classic filters.
 
-use alloc::vec::Vec;
+use alloc::{vec, vec::Vec};
 use core::ops::Range;
 
 use super::{Certainty, Settings};
 use crate::error::Result;
-use crate::estimator::{self, Calibration, Estimator, Sample, State};
+use crate::estimator::{self, Calibration, Estimator, Pair, Sample, State, smooth_each};
 use crate::filter::Dt;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
@@ -27,6 +27,7 @@ pub(super) fn run(
     online: bool,
     bias: Vec3,
     rest: Option<(&Range<usize>, Quaternion)>,
+    pair: &impl Pair,
 ) -> Result<Estimate> {
     let (acc, gyro, dt_s) = data;
     let estimator_settings = estimator::Settings {
@@ -34,48 +35,38 @@ pub(super) fn run(
         calibration: settings.sensor,
         ..estimator::Settings::default()
     };
-    let rates: Vec<Vec3> = gyro.iter().map(|&rate| vector::sub(rate, bias)).collect();
-    let (states, mut learnt) = if online {
-        causal(acc, &rates, dt_s, &estimator_settings)?
+    let rows = acc.len();
+    let mut world_from_body = vec![Quaternion::IDENTITY; rows];
+    let mut certainty = Certainty {
+        sigma_tilt_rad: vec![0.0; rows],
+        sigma_heading_rad: vec![0.0; rows],
+        rest: vec![false; rows],
+    };
+    let mut keep = |k: usize, state: &State| {
+        world_from_body[k] = state.world_from_body;
+        certainty.sigma_tilt_rad[k] = state.sigma_tilt_rad;
+        certainty.sigma_heading_rad[k] = state.sigma_heading_rad;
+        certainty.rest[k] = state.rest;
+    };
+    let mut learnt = if online {
+        let mut estimator = Estimator::new(&estimator_settings)?;
+        for k in 0..rows {
+            let gyro_rad_s = vector::sub(gyro[k], bias);
+            keep(k, &estimator.update(&Sample { gyro_rad_s, acc_m_s2: acc[k], dt_s: dt_s[k] }));
+        }
+        estimator.calibration()
     } else {
-        let smoothed = estimator::smooth(acc, &rates, Dt::PerSample(dt_s), &estimator_settings)?;
-        (smoothed.states, smoothed.calibration)
+        smooth_each(acc, gyro, bias, Dt::PerSample(dt_s), &estimator_settings, pair, keep)?
     };
     learnt.gyro_bias_rad_s = vector::add(learnt.gyro_bias_rad_s, bias);
-    let (turn, start) = match rest {
-        Some((rest, level)) => {
-            let there = states[rest.start + rest.len() / 2].world_from_body;
-            let turn = heading_of(level.product(there.conjugate()));
-            (turn, turn.product(there))
-        }
-        None => (Quaternion::IDENTITY, states[0].world_from_body),
-    };
-    Ok(Estimate {
-        world_from_body: states.iter().map(|state| turn.product(state.world_from_body)).collect(),
-        certainty: Certainty {
-            sigma_tilt_rad: states.iter().map(|state| state.sigma_tilt_rad).collect(),
-            sigma_heading_rad: states.iter().map(|state| state.sigma_heading_rad).collect(),
-            rest: states.iter().map(|state| state.rest).collect(),
-        },
-        learnt,
-        start,
-    })
-}
-
-fn causal(
-    acc: &[Vec3],
-    rates: &[Vec3],
-    dt_s: &[f64],
-    settings: &estimator::Settings,
-) -> Result<(Vec<State>, Calibration)> {
-    let mut estimator = Estimator::new(settings)?;
-    let states = acc
-        .iter()
-        .zip(rates)
-        .zip(dt_s)
-        .map(|((&acc_m_s2, &gyro_rad_s), &dt_s)| estimator.update(&Sample { gyro_rad_s, acc_m_s2, dt_s }))
-        .collect();
-    Ok((states, estimator.calibration()))
+    let mut start = world_from_body[0];
+    if let Some((rest, level)) = rest {
+        let there = world_from_body[rest.start + rest.len() / 2];
+        let turn = heading_of(level.product(there.conjugate()));
+        start = turn.product(there);
+        world_from_body.iter_mut().for_each(|q| *q = turn.product(*q));
+    }
+    Ok(Estimate { world_from_body, certainty, learnt, start })
 }
 
 /// The turn about z in a rotation; none where it turns z upside down.
