@@ -45,8 +45,8 @@ pub use open::{Inspection, inspect, open};
 pub use options::{AxisMap, ColumnRef, Columns, Options, Permutation, Scale, Units};
 pub use recording::{Assumption, Channel, Extra, Findings, Gap, LONG_GAP_S, Note, Recording, Warning};
 pub use sheet::Delimiter;
-pub use stream::{Stream, open_stream};
 pub use shisei_core::Lang;
+pub use stream::{Stream, open_stream};
 
 /// One file.
 #[derive(Clone, Copy, Debug)]

@@ -27,7 +27,10 @@ pub struct Stream<'a> {
 
 impl std::fmt::Debug for Stream<'_> {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Stream").field("name", &self.name).field("length", &self.length).finish_non_exhaustive()
+        f.debug_struct("Stream")
+            .field("name", &self.name)
+            .field("length", &self.length)
+            .finish_non_exhaustive()
     }
 }
 
@@ -48,9 +51,8 @@ pub fn open_stream(stream: Stream<'_>, options: &Options) -> Result<Recording> {
     let first_row = whole_lines - sheet.text.len() + sheet.data_offset;
     let rows = head.get(first_row..).unwrap_or_default().chain(rest);
     let blocks = Blocks::stream(rows, length.saturating_sub(first_row as u64).max(SHORT));
-    let part = open::table_part(&sheet, options, false, |sheet, wanted| {
-        body::read_blocks(sheet, wanted, blocks)
-    })?;
+    let part =
+        open::table_part(&sheet, options, false, |sheet, wanted| body::read_blocks(sheet, wanted, blocks))?;
     settle::settle(part, options)
 }
 
@@ -68,10 +70,15 @@ mod tests {
 
     /// A long recording with things that need care: quotes, blank lines, numbers of many digits, an incomplete end.
     fn text(rows: usize, odd: impl Fn(usize) -> Option<String>) -> Vec<u8> {
-        let mut out = "\u{feff}# a logger's own line\ntime_s,note,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z\n".to_owned();
+        let mut out =
+            "\u{feff}# a logger's own line\ntime_s,note,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z\n".to_owned();
         for k in 0..rows {
             let t = k as f64 * 0.01;
-            let plain = format!("{t:.3},n{k},0.1,{:.6},9.8{k},{},-0.5,1e-3\n", (t * 3.0).sin(), t / 3.0);
+            let plain = format!(
+                "{t:.3},n{k},0.1,{:.6},9.8{k},{},-0.5,1e-3\n",
+                shisei_core::math::sin(t * 3.0),
+                t / 3.0
+            );
             out.push_str(&odd(k).unwrap_or(plain));
         }
         out.push_str("12.5,cut");
