@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use shisei_core::Lang;
-use shisei_record::{AxisMap, Columns, Input, Options, Problem, Recording, Scale, Units};
+use shisei_record::{AxisMap, Columns, Input, Options, Problem, Recording, Scale, Stream, Units};
 
 use crate::args::Reading;
 use crate::fail::{Exit, Failure, Outcome, say};
@@ -126,21 +126,30 @@ pub fn cannot_read(path: &Path, error: &io::Error, lang: Lang) -> Failure {
     Failure::input(say(lang, format!("{shown}: {en}"), format!("{shown}：{ja}")))
 }
 
-/// Reads a whole file. A text whose first line does not end within 1 MiB is refused before the rest is read.
-pub fn read(path: &Path, lang: Lang) -> Outcome<Vec<u8>> {
+/// A file whose start is read.
+struct Opened {
+    head: Vec<u8>,
+    rest: Box<dyn Read>,
+    /// Its length, bytes; 0 where that is not known.
+    length: u64,
+}
+
+/// Opens a file and reads its start. A text whose first line does not end within 1 MiB is refused.
+fn start(path: &Path, lang: Lang) -> Outcome<Opened> {
     let failed = |error: io::Error| cannot_read(path, &error, lang);
-    let mut bytes = Vec::new();
-    let mut stream: Box<dyn Read> = if output::is_stdout(path) {
+    let mut head = Vec::new();
+    let mut length = 0;
+    let mut rest: Box<dyn Read> = if output::is_stdout(path) {
         Box::new(io::stdin().lock())
     } else {
         let file = File::open(path).map_err(failed)?;
-        let size = file.metadata().map_err(failed)?.len();
-        bytes.reserve(usize::try_from(size).unwrap_or(0).min(1 << 30));
+        length = file.metadata().map_err(failed)?.len();
+        head.reserve(usize::try_from(length).unwrap_or(0).min(LONGEST_LINE) + 1);
         Box::new(file)
     };
-    stream.by_ref().take(LONGEST_LINE as u64 + 1).read_to_end(&mut bytes).map_err(failed)?;
-    let compressed = bytes.starts_with(b"\x1f\x8b") || bytes.starts_with(b"PAR1");
-    if bytes.len() > LONGEST_LINE && !compressed && !bytes.iter().any(|&b| b == b'\n' || b == b'\r') {
+    rest.by_ref().take(LONGEST_LINE as u64 + 1).read_to_end(&mut head).map_err(failed)?;
+    let compressed = head.starts_with(b"\x1f\x8b") || head.starts_with(b"PAR1");
+    if head.len() > LONGEST_LINE && !compressed && !head.iter().any(|&b| b == b'\n' || b == b'\r') {
         let shown = path.display();
         return Err(Failure::input(say(
             lang,
@@ -152,7 +161,16 @@ pub fn read(path: &Path, lang: Lang) -> Outcome<Vec<u8>> {
             ),
         )));
     }
-    stream.read_to_end(&mut bytes).map_err(failed)?;
+    Ok(Opened { head, rest, length })
+}
+
+/// Reads a whole file. A text whose first line does not end within 1 MiB is refused before the rest is read.
+pub fn read(path: &Path, lang: Lang) -> Outcome<Vec<u8>> {
+    let Opened { head: mut bytes, mut rest, length } = start(path, lang)?;
+    if bytes.len() > LONGEST_LINE {
+        bytes.reserve(usize::try_from(length).unwrap_or(0).saturating_sub(bytes.len()).min(1 << 30) + 1);
+    }
+    rest.read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error, lang))?;
     Ok(bytes)
 }
 
@@ -216,12 +234,19 @@ enum Half {
     Gyroscope,
 }
 
-/// Opens a recording.
+/// Opens a recording; a long text is read piece by piece.
 pub fn open(source: &Source, options: &Options, lang: Lang) -> Result<Recording, Unopened> {
+    let name = |path: &Path| {
+        if output::is_stdout(path) { "stdin".to_owned() } else { path.display().to_string() }
+    };
+    if let [path] = source.paths.as_slice() {
+        let Opened { head, mut rest, length } = start(path, lang).map_err(Unopened::File)?;
+        let stream = Stream { name: &name(path), head, rest: &mut rest, length };
+        return shisei_record::open_stream(stream, options).map_err(Unopened::Contents);
+    }
     let mut files = Vec::new();
     for path in &source.paths {
-        let name = if output::is_stdout(path) { "stdin".to_owned() } else { path.display().to_string() };
-        files.push((name, read(path, lang).map_err(Unopened::File)?));
+        files.push((name(path), read(path, lang).map_err(Unopened::File)?));
     }
     let inputs: Vec<Input<'_>> = files.iter().map(|(name, bytes)| Input { name, bytes }).collect();
     shisei_record::open(&inputs, options).map_err(Unopened::Contents)

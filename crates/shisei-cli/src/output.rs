@@ -205,7 +205,8 @@ fn stage(
         // As any other new file: the user's umask decides (a temporary file would be 0600).
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let mut out = BufWriter::with_capacity(1 << 20, builder.tempfile_in(directory)?);
+    // Pieces of a table are larger and go straight to the file.
+    let mut out = BufWriter::with_capacity(1 << 16, builder.tempfile_in(directory)?);
     body(&mut out)?;
     out.into_inner().map(Some).map_err(io::IntoInnerError::into_error)
 }

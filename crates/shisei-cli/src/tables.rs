@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::Path;
 
+use shisei_core::Quaternion;
 use shisei_core::orient::Orientation;
 use shisei_record::Recording;
 use shisei_record::write::{self, Column, Decimals};
@@ -42,37 +43,36 @@ pub fn recording(out: &mut dyn Write, format: Format, recording: &Recording) -> 
 }
 
 /// Writes `time_s, q_w … q_z, yaw, pitch, roll`, how sure the estimator is, and the kept columns of the input.
-/// `angles` are in the unit of `unit`: its name in the columns' names, and how many of it are a radian.
+/// Angles are in the unit of `unit`: its name in the columns' names, and how many of it are a radian.
 pub fn orientation(
     out: &mut dyn Write,
     format: Format,
     recording: &Recording,
     orientation: &Orientation,
-    angles: &[[f64; 3]],
+    ypr_rad: &[[f64; 3]],
     (unit, per_rad): (&str, f64),
 ) -> io::Result<()> {
-    let quaternions: Vec<[f64; 4]> = orientation.world_from_body.iter().map(|q| q.to_array()).collect();
+    let quaternions = &orientation.world_from_body;
     let with_unit = |name: &str| format!("{name}_{unit}");
     let angle_names = ["yaw", "pitch", "roll"].map(with_unit);
     let sigma_names = ["sigma_tilt", "sigma_heading"].map(with_unit);
-    let sigmas = orientation.certainty.as_ref().map(|certainty| {
-        [&certainty.sigma_tilt_rad, &certainty.sigma_heading_rad]
-            .map(|sigma| sigma.iter().map(|&s| s * per_rad).collect::<Vec<f64>>())
-    });
+    let parts = [|q: Quaternion| q.w, |q: Quaternion| q.x, |q: Quaternion| q.y, |q: Quaternion| q.z]
+        .map(|part| move |row: usize| quaternions.get(row).map_or(f64::NAN, |q| part(*q)));
+    let angles = [0, 1, 2].map(|i| move |row: usize| ypr_rad.get(row).map_or(f64::NAN, |a| a[i] * per_rad));
+    let certainty = orientation.certainty.as_ref();
+    let sigmas = certainty
+        .map_or([[].as_slice(); 2], |c| [c.sigma_tilt_rad.as_slice(), &c.sigma_heading_rad])
+        .map(|sigma| move |row: usize| sigma.get(row).map_or(f64::NAN, |s| s * per_rad));
+
+    let rows = quaternions.len();
     let mut names = vec!["time_s", "q_w", "q_x", "q_y", "q_z"];
     let mut columns = vec![Column::Numbers(&recording.time_s)];
-    for offset in 0..4 {
-        columns.push(Column::Strided { values: quaternions.as_flattened(), stride: 4, offset });
-    }
-    for (offset, name) in angle_names.iter().enumerate() {
-        names.push(name);
-        columns.push(Column::Strided { values: angles.as_flattened(), stride: 3, offset });
-    }
-    if let (Some(sigmas), Some(certainty)) = (&sigmas, &orientation.certainty) {
-        for (name, sigma) in sigma_names.iter().zip(sigmas) {
-            names.push(name);
-            columns.push(Column::Numbers(sigma));
-        }
+    columns.extend(parts.iter().map(|value| Column::Computed { rows, value }));
+    names.extend(angle_names.iter().map(String::as_str));
+    columns.extend(angles.iter().map(|value| Column::Computed { rows, value }));
+    if let Some(certainty) = certainty {
+        names.extend(sigma_names.iter().map(String::as_str));
+        columns.extend(sigmas.iter().map(|value| Column::Computed { rows, value }));
         names.push("rest");
         columns.push(Column::Flags(&certainty.rest));
     }

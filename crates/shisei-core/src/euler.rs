@@ -1,7 +1,10 @@
 //! Yaw, pitch and roll: Z-Y-X intrinsic, `R = Rz(yaw) Ry(pitch) Rx(roll)`.
 
+mod lanes;
+
 use crate::math;
 use crate::quaternion::Quaternion;
+pub(crate) use lanes::LANES;
 
 /// Below this cos(pitch) roll is 0 and yaw carries the rest (gimbal lock).
 const GIMBAL_LOCK_COS: f64 = 1e-12;
@@ -56,42 +59,72 @@ impl Quaternion {
         )
     }
 
-    /// To yaw, pitch, roll. Pitch is `atan2(−R20, hypot(R00, R10))`, so it keeps its digits near ±π/2.
+    /// To yaw, pitch, roll. Pitch is `atan2(−R20, cos(pitch))`, so it keeps its digits near ±π/2.
     ///
     /// Yaw and roll come from their half sum and half difference,
     /// `½(yaw + roll) = atan2(z + x, w − y)` and `½(yaw − roll) = atan2(z − x, w + y)`: near pitch ±π/2 one of the
     /// two is lost in rounding, but it is the one that hardly matters there, so that the three angles
     /// together stay the same rotation (E. Bernardes, S. Viollet, PLoS ONE 17(11), 2022).
+    ///
+    /// cos(pitch) is the root of the product of those two points' squared lengths, 1 ∓ sin(pitch).
     pub fn to_ypr(self) -> Ypr {
-        let Quaternion { w, x, y, z } = self;
-        let r00 = (w * w + x * x) - (y * y + z * z);
-        let r10 = 2.0 * (x * y + w * z);
-        let r20 = 2.0 * (x * z - w * y);
-        let c = math::hypot(r00, r10);
-        let pitch_rad = math::atan2(-r20, c);
-        if c < GIMBAL_LOCK_COS {
-            // nose up: only yaw − roll is determined; nose down: only yaw + roll
-            let half = if r20 < 0.0 { math::atan2(z - x, w + y) } else { math::atan2(z + x, w - y) };
-            return Ypr { yaw_rad: wrapped(2.0 * half), pitch_rad, roll_rad: 0.0 };
-        }
-        let half_sum = math::atan2(z + x, w - y);
-        let half_difference = math::atan2(z - x, w + y);
-        Ypr {
-            yaw_rad: wrapped(half_sum + half_difference),
-            pitch_rad,
-            roll_rad: wrapped(half_sum - half_difference),
-        }
+        let [ypr_rad] = lanes::ypr(&[self]);
+        Ypr::from_array(ypr_rad)
     }
 }
 
-/// −2π … 2π to −π … π.
-#[inline]
-fn wrapped(angle_rad: f64) -> f64 {
-    if angle_rad > core::f64::consts::PI {
-        angle_rad - core::f64::consts::TAU
-    } else if angle_rad < -core::f64::consts::PI {
-        angle_rad + core::f64::consts::TAU
+/// What an attitude may be written as: [`Quaternion`], `[w, x, y, z]`, [`Ypr`] or `[yaw, pitch, roll]`.
+pub trait AttitudeRow: From<Quaternion> {
+    /// Whether [`from_lanes`](AttitudeRow::from_lanes) is faster than one by one.
+    const IN_LANES: bool = false;
+
+    /// Several attitudes, with the same bits as one by one.
+    #[inline]
+    fn from_lanes(world_from_body: &[Quaternion; LANES]) -> [Self; LANES] {
+        world_from_body.map(Self::from)
+    }
+}
+
+impl AttitudeRow for Quaternion {}
+
+impl AttitudeRow for [f64; 4] {}
+
+impl AttitudeRow for Ypr {
+    const IN_LANES: bool = true;
+
+    #[inline]
+    fn from_lanes(world_from_body: &[Quaternion; LANES]) -> [Self; LANES] {
+        lanes::ypr(world_from_body).map(Ypr::from_array)
+    }
+}
+
+impl AttitudeRow for [f64; 3] {
+    const IN_LANES: bool = true;
+
+    #[inline]
+    fn from_lanes(world_from_body: &[Quaternion; LANES]) -> [Self; LANES] {
+        lanes::ypr(world_from_body)
+    }
+}
+
+/// Writes attitudes: `attitude(k)`, of unit norm, is asked for in ascending order, once a row.
+#[inline(always)]
+pub(crate) fn fill<O: AttitudeRow>(out: &mut [O], mut attitude: impl FnMut(usize) -> Quaternion) {
+    let mut k = 0;
+    let mut next = || {
+        k += 1;
+        attitude(k - 1)
+    };
+    let rest = if O::IN_LANES {
+        let (together, rest) = out.as_chunks_mut::<LANES>();
+        for rows in together {
+            *rows = O::from_lanes(&core::array::from_fn(|_| next()));
+        }
+        rest
     } else {
-        angle_rad
+        out
+    };
+    for row in rest {
+        *row = O::from(next());
     }
 }

@@ -45,7 +45,7 @@ pub mod sync;
 pub mod vector;
 
 pub use error::{Error, Face, Kind, Lang, Result};
-pub use euler::Ypr;
+pub use euler::{AttitudeRow, Ypr};
 pub use quaternion::Quaternion;
 pub use vector::Vec3;
 

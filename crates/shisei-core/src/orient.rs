@@ -12,6 +12,7 @@ use core::ops::Range;
 
 use crate::error::{Error, Result};
 use crate::estimator::{Calibration, InTurn, Pair};
+use crate::euler;
 use crate::filter::{
     self, AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroRk4, Mahony, MahonyAdaptive,
 };
@@ -150,6 +151,13 @@ impl Orientation {
     /// Yaw, pitch and roll of row k, relative as asked.
     pub fn ypr(&self, k: usize) -> Ypr {
         relative_to(self.world_from_body[k], self.start, self.relative).to_ypr()
+    }
+
+    /// Yaw, pitch and roll of every row, rad: the same bits as [`ypr`](Orientation::ypr) of each.
+    pub fn ypr_rad(&self) -> Vec<[f64; 3]> {
+        let mut out = alloc::vec![[0.0; 3]; self.world_from_body.len()];
+        euler::fill(&mut out, |k| relative_to(self.world_from_body[k], self.start, self.relative));
+        out
     }
 }
 
@@ -308,22 +316,38 @@ impl Data<'_> {
         start: Quaternion,
         make: impl Fn(Quaternion) -> Result<F>,
     ) -> Result<Vec<Quaternion>> {
-        let rows = self.acc.len();
-        let rates: Vec<Vec3> = self.gyro.iter().map(|&rate| vector::sub(rate, self.bias)).collect();
-        let mut forward = alloc::vec![Quaternion::IDENTITY; rows - origin];
-        stretches(&make, start, &rates[origin..], &self.acc[origin..], &self.dt[origin..], &mut forward)?;
-        if origin == 0 {
-            return Ok(forward);
+        let make = |q| make(q).map(|filter| Unbiased { filter, bias: self.bias });
+        let mut out = alloc::vec![Quaternion::IDENTITY; self.acc.len()];
+        let (earlier, later) = out.split_at_mut(origin);
+        stretches(&make, start, &self.gyro[origin..], &self.acc[origin..], &self.dt[origin..], later)?;
+        if origin > 0 {
+            // Backward: the step from row k + 1 to row k undoes the turn of sample k + 1, so that the rate and the
+            // bias change sign.
+            let make = |q| make(q).map(|filter| Unbiased { bias: vector::scale(self.bias, -1.0), ..filter });
+            let turns: Vec<Vec3> = (0..origin).rev().map(|k| vector::scale(self.gyro[k + 1], -1.0)).collect();
+            let acc: Vec<Vec3> = self.acc[..origin].iter().rev().copied().collect();
+            let steps: Vec<f64> = (0..origin).rev().map(|k| self.dt[k + 1]).collect();
+            stretches(&make, start, &turns, &acc, &steps, earlier)?;
+            earlier.reverse();
         }
-        // Backward: the step from row k + 1 to row k undoes the turn of sample k + 1.
-        let turns: Vec<Vec3> = (0..origin).rev().map(|k| vector::scale(rates[k + 1], -1.0)).collect();
-        let acc: Vec<Vec3> = self.acc[..origin].iter().rev().copied().collect();
-        let steps: Vec<f64> = (0..origin).rev().map(|k| self.dt[k + 1]).collect();
-        let mut backward = alloc::vec![Quaternion::IDENTITY; origin];
-        stretches(&make, start, &turns, &acc, &steps, &mut backward)?;
-        backward.reverse();
-        backward.extend(forward);
-        Ok(backward)
+        Ok(out)
+    }
+}
+
+/// A filter that is given rates with a bias.
+struct Unbiased<F> {
+    filter: F,
+    bias: Vec3,
+}
+
+impl<F: Filter> Filter for Unbiased<F> {
+    #[inline]
+    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quaternion {
+        self.filter.update(vector::sub(gyro_rad_s, self.bias), acc_m_s2, dt_s)
+    }
+
+    fn orientation(&self) -> Quaternion {
+        self.filter.orientation()
     }
 }
 

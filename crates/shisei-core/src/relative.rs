@@ -7,7 +7,7 @@
 //! pitch, roll). Quaternions are normalised on entry; one that is zero or not finite is refused with its row.
 
 use crate::error::Result;
-use crate::euler::Ypr;
+use crate::euler::{self, AttitudeRow, LANES, Ypr};
 use crate::filter::{check_rows, same_length};
 use crate::quaternion::Quaternion;
 use crate::vector::Vec3;
@@ -23,31 +23,31 @@ pub fn world(current: Quaternion, initial: Quaternion) -> Result<Quaternion> {
 }
 
 /// [`body`] of every row.
-pub fn body_series<Q: Into<Quaternion> + Copy, O: From<Quaternion>>(
+pub fn body_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     current: &[Q],
     initial: Quaternion,
     out: &mut [O],
 ) -> Result<()> {
     let inverse = initial.try_normalized()?.conjugate();
-    map_series(current, out, |q| O::from(inverse.product(q)))
+    map_series(current, out, |q| inverse.product(q))
 }
 
 /// [`world`] of every row.
-pub fn world_series<Q: Into<Quaternion> + Copy, O: From<Quaternion>>(
+pub fn world_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     current: &[Q],
     initial: Quaternion,
     out: &mut [O],
 ) -> Result<()> {
     let inverse = initial.try_normalized()?.conjugate();
-    map_series(current, out, |q| O::from(q.product(inverse)))
+    map_series(current, out, |q| q.product(inverse))
 }
 
 /// Every row itself: normalised, or as yaw, pitch, roll.
-pub fn convert_series<Q: Into<Quaternion> + Copy, O: From<Quaternion>>(
+pub fn convert_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     quaternions: &[Q],
     out: &mut [O],
 ) -> Result<()> {
-    map_series(quaternions, out, O::from)
+    map_series(quaternions, out, |q| q)
 }
 
 /// One vector, turned by every row.
@@ -57,11 +57,15 @@ pub fn rotate_series<Q: Into<Quaternion> + Copy>(
     out: &mut [Vec3],
 ) -> Result<()> {
     check_rows(&[vector], 0)?;
-    map_series(quaternions, out, |q| q.rotate(vector))
+    same_length(quaternions.len(), out.len())?;
+    for (k, (row, &q)) in out.iter_mut().zip(quaternions).enumerate() {
+        *row = unit(q, k)?.rotate(vector);
+    }
+    Ok(())
 }
 
 /// Yaw, pitch, roll (rad) to quaternions; refused at a row that is not finite.
-pub fn from_ypr_series<O: From<Quaternion>>(ypr_rad: &[Vec3], out: &mut [O]) -> Result<()> {
+pub fn from_ypr_series<O: AttitudeRow>(ypr_rad: &[Vec3], out: &mut [O]) -> Result<()> {
     same_length(ypr_rad.len(), out.len())?;
     check_rows(ypr_rad, 0)?;
     for (row, &ypr) in out.iter_mut().zip(ypr_rad) {
@@ -70,15 +74,24 @@ pub fn from_ypr_series<O: From<Quaternion>>(ypr_rad: &[Vec3], out: &mut [O]) -> 
     Ok(())
 }
 
-fn map_series<Q: Into<Quaternion> + Copy, O>(
+fn unit<Q: Into<Quaternion>>(q: Q, row: usize) -> Result<Quaternion> {
+    let q: Quaternion = q.into();
+    q.try_normalized().map_err(|error| error.at_row(row))
+}
+
+/// Rows before a refused one are written.
+fn map_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     quaternions: &[Q],
     out: &mut [O],
-    f: impl Fn(Quaternion) -> O,
+    f: impl Fn(Quaternion) -> Quaternion,
 ) -> Result<()> {
     same_length(quaternions.len(), out.len())?;
-    for (k, (row, &q)) in out.iter_mut().zip(quaternions).enumerate() {
-        let q: Quaternion = q.into();
-        *row = f(q.try_normalized().map_err(|error| error.at_row(k))?);
+    for (block, (rows, quaternions)) in out.chunks_mut(LANES).zip(quaternions.chunks(LANES)).enumerate() {
+        let mut q = [Quaternion::IDENTITY; LANES];
+        for (i, &given) in quaternions.iter().enumerate() {
+            q[i] = f(unit(given, block * LANES + i)?);
+        }
+        euler::fill(rows, |i| q[i]);
     }
     Ok(())
 }

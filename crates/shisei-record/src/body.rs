@@ -1,10 +1,14 @@
 //! The rows of a table into numbers: one pass over the bytes, no copy of the text.
 
+use crate::blocks::{Blocks, SHORT};
 use crate::error::{Error, Place, Problem, Result, shorten};
 use crate::number::{self, Cell};
 use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
 use crate::stamp::{self, Cycle};
 use shisei_core::Vec3;
+use std::borrow::Cow;
+use std::collections::VecDeque;
+use std::sync::{Mutex, mpsc};
 
 /// Slots of a row: time, acc ×3, gyr ×3, temperature, coarse time, gravity ×3.
 pub(crate) const SLOTS: usize = 12;
@@ -156,9 +160,14 @@ struct Reader<'a, 's> {
     needed: usize,
 }
 
-/// Reads all rows.
+/// Reads all rows of a text in memory.
 pub(crate) fn read(sheet: &Sheet<'_>, wanted: &Wanted) -> Result<Body> {
-    let text: &[u8] = &sheet.text;
+    read_blocks(sheet, wanted, Blocks::of(sheet.text.get(sheet.data_offset..).unwrap_or_default()))
+}
+
+/// Reads all rows; `blocks` starts with the first of them. Long texts are read by as many threads as there are
+/// processors; what is read does not depend on their number.
+pub(crate) fn read_blocks(sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>) -> Result<Body> {
     let last = wanted.slot.iter().flatten().copied().max().unwrap_or(0);
     let mut action = vec![SKIP; last + 1];
     for (slot, column) in wanted.slot.iter().enumerate() {
@@ -167,87 +176,217 @@ pub(crate) fn read(sheet: &Sheet<'_>, wanted: &Wanted) -> Result<Body> {
         }
     }
     let reader = Reader { sheet, wanted, action, needed: last + 1 };
-    let mut out = Body { whole_numbers: true, keep: vec![Vec::new(); wanted.keep.len()], ..Body::default() };
-    reserve(&mut out, text, sheet.data_offset, wanted);
-    let mut at = sheet.data_offset;
-    let mut line_number = sheet.data_line - 1;
-    let mut pending: Option<(Error, usize)> = None;
-    let mut row = [0.0f64; SLOTS];
-    while at < text.len() {
-        line_number += 1;
-        if let Some(next) = reader.fast(text, at, &mut row) {
-            if let Some((error, _)) = pending.take() {
-                return Err(error);
+    let mut joined = Joined::new(&reader, blocks.length);
+    let threads = if blocks.length < SHORT || !matches!(sheet.delimiter, Delimiter::Byte(_)) {
+        1
+    } else {
+        std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+    };
+    if threads > 1 {
+        joined.parallel(blocks, threads)?;
+    } else {
+        joined.alone(blocks)?;
+    }
+    joined.finish()
+}
+
+/// The rows so far, in the order of the file.
+struct Joined<'a, 's> {
+    reader: &'a Reader<'a, 's>,
+    out: Body,
+    line_number: usize,
+    /// The first of the incomplete rows that may be the end, and their number.
+    pending: Option<(Error, usize)>,
+    shape: Vec<u8>,
+}
+
+/// The rows at the start of a block that are plain numbers.
+struct Start<'b> {
+    block: Cow<'b, [u8]>,
+    rows: Body,
+    /// Where the row that needs care begins, or the block's end.
+    stop: usize,
+}
+
+impl<'a, 's> Joined<'a, 's> {
+    fn new(reader: &'a Reader<'a, 's>, length: u64) -> Self {
+        let wanted = reader.wanted;
+        let mut out = Body::new(wanted);
+        reserve(&mut out, reader.sheet, length, wanted);
+        let shape = vec![0; reader.needed];
+        Joined { reader, out, line_number: reader.sheet.data_line - 1, pending: None, shape }
+    }
+
+    fn unreadable(&self, error: &std::io::Error) -> Error {
+        Error::of_file(self.reader.sheet.name, Problem::Unreadable { detail: error.to_string() })
+    }
+
+    fn alone(&mut self, mut blocks: Blocks<'_>) -> Result<()> {
+        while let Some(block) = blocks.next().map_err(|e| self.unreadable(&e))? {
+            self.rest(&block, 0)?;
+            blocks.give_back(block);
+        }
+        Ok(())
+    }
+
+    /// Threads read the plain rows of the blocks to come, this one joins them in order and reads the others.
+    fn parallel(&mut self, mut blocks: Blocks<'_>, threads: usize) -> Result<()> {
+        let reader = self.reader;
+        let (send, receive) = mpsc::channel::<(Cow<'_, [u8]>, mpsc::Sender<Start<'_>>)>();
+        let receive = Mutex::new(receive);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    let mut shape = vec![0; reader.needed];
+                    loop {
+                        let job = receive.lock().map_or(None, |jobs| jobs.recv().ok());
+                        let Some((block, answer)) = job else { return };
+                        // Nobody waits where an earlier row was refused.
+                        let _ = answer.send(reader.start(block, &mut shape));
+                    }
+                });
             }
-            push(&mut out, &row, wanted);
-            if !wanted.keep.is_empty() {
-                reader.keep(text.get(at..next).unwrap_or_default(), &mut out);
+            let send = send; // dropped at the end: the threads end too
+            let mut coming = VecDeque::new();
+            let mut ended = false;
+            loop {
+                while !ended && coming.len() < 2 * threads {
+                    match blocks.next().map_err(|e| self.unreadable(&e))? {
+                        None => ended = true,
+                        Some(block) => {
+                            let (answer, result) = mpsc::channel();
+                            if send.send((block, answer)).is_ok() {
+                                coming.push_back(result);
+                            }
+                        }
+                    }
+                }
+                let Some(next) = coming.pop_front() else { return Ok(()) };
+                let Ok(start) = next.recv() else { return Ok(()) };
+                self.join(start.rows)?;
+                self.rest(&start.block, start.stop)?;
+                blocks.give_back(start.block);
             }
-            at = next;
-            continue;
+        })
+    }
+
+    fn join(&mut self, mut rows: Body) -> Result<()> {
+        if rows.rows == 0 {
+            return Ok(());
         }
-        let Some((line, next)) = line_at(text, at) else { break };
-        let start = at;
-        at = next;
-        if line.len() > LINE_LIMIT {
-            let place = Place { file: sheet.name.to_owned(), line: Some(line_number), column: None };
-            return Err(Error::at(Problem::LineTooLong { limit: LINE_LIMIT }, place));
+        if let Some((error, _)) = self.pending.take() {
+            return Err(error);
         }
-        if number::trim(line).is_empty() {
-            continue;
+        let out = &mut self.out;
+        self.line_number += rows.rows;
+        out.rows += rows.rows;
+        out.time.append(&mut rows.time);
+        out.coarse.append(&mut rows.coarse);
+        out.acc.append(&mut rows.acc);
+        out.gyro.append(&mut rows.gyro);
+        out.temp.append(&mut rows.temp);
+        for (kept, more) in out.keep.iter_mut().zip(&mut rows.keep) {
+            kept.append(more);
         }
-        match reader.slow(line, &mut row) {
-            Ok(()) => {
+        out.whole_numbers &= rows.whole_numbers;
+        Ok(())
+    }
+
+    /// Reads the rows of a block from `at` on.
+    fn rest(&mut self, text: &[u8], mut at: usize) -> Result<()> {
+        let Joined { reader, out, line_number, pending, shape } = self;
+        let wanted = reader.wanted;
+        let mut row = [0.0f64; SLOTS];
+        while at < text.len() {
+            *line_number += 1;
+            if let Some(next) = reader.fast(text, at, &mut row, shape) {
                 if let Some((error, _)) = pending.take() {
                     return Err(error);
                 }
-                push(&mut out, &row, wanted);
+                push(out, &row, wanted);
                 if !wanted.keep.is_empty() {
-                    reader.keep(text.get(start..next).unwrap_or_default(), &mut out);
+                    reader.keep(text.get(at..next).unwrap_or_default(), out);
                 }
+                at = next;
+                continue;
             }
-            Err(_) if wanted.skip_bad => out.skipped += 1,
-            Err(bad) => {
-                let error = reader.error(&bad, line_number);
-                if !bad.incomplete {
-                    return Err(pending.map_or(error, |(first, _)| first));
-                }
-                if out.rows == 0 {
-                    out.trimmed += 1;
-                    // A table that never gets complete: the first reason is the one to tell.
-                    if out.trimmed > 1000 {
+            let Some((line, next)) = line_at(text, at) else { break };
+            let start = at;
+            at = next;
+            if line.len() > LINE_LIMIT {
+                let place =
+                    Place { file: reader.sheet.name.to_owned(), line: Some(*line_number), column: None };
+                return Err(Error::at(Problem::LineTooLong { limit: LINE_LIMIT }, place));
+            }
+            if number::trim(line).is_empty() {
+                continue;
+            }
+            match reader.slow(line, &mut row) {
+                Ok(()) => {
+                    if let Some((error, _)) = pending.take() {
                         return Err(error);
                     }
-                } else {
-                    let count = pending.as_ref().map_or(0, |(_, n)| *n) + 1;
-                    if count > 1000 {
-                        return Err(pending.map_or(error, |(first, _)| first));
+                    push(out, &row, wanted);
+                    if !wanted.keep.is_empty() {
+                        reader.keep(text.get(start..next).unwrap_or_default(), out);
                     }
-                    pending = Some((pending.map_or(error, |(first, _)| first), count));
+                }
+                Err(_) if wanted.skip_bad => out.skipped += 1,
+                Err(bad) => {
+                    let error = reader.error(&bad, *line_number);
+                    if !bad.incomplete {
+                        return Err(pending.take().map_or(error, |(first, _)| first));
+                    }
+                    if out.rows == 0 {
+                        out.trimmed += 1;
+                        // A table that never gets complete: the first reason is the one to tell.
+                        if out.trimmed > 1000 {
+                            return Err(error);
+                        }
+                    } else {
+                        let count = pending.as_ref().map_or(0, |(_, n)| *n) + 1;
+                        let first = pending.take().map_or(error, |(first, _)| first);
+                        if count > 1000 {
+                            return Err(first);
+                        }
+                        *pending = Some((first, count));
+                    }
                 }
             }
         }
+        Ok(())
     }
-    if let Some((error, count)) = pending {
-        if out.rows == 0 {
-            return Err(error);
+
+    fn finish(self) -> Result<Body> {
+        let Joined { mut out, pending, reader, .. } = self;
+        if let Some((error, count)) = pending {
+            if out.rows == 0 {
+                return Err(error);
+            }
+            out.trimmed += count;
         }
-        out.trimmed += count;
+        if out.rows < 2 {
+            return Err(Error::of_file(reader.sheet.name, Problem::TooFewRows { rows: out.rows }));
+        }
+        Ok(out)
     }
-    if out.rows < 2 {
-        return Err(Error::of_file(sheet.name, Problem::TooFewRows { rows: out.rows }));
-    }
-    Ok(out)
 }
 
-/// Room for as many rows as the first lines' length suggests.
-fn reserve(out: &mut Body, text: &[u8], offset: usize, wanted: &Wanted) {
-    let rest = text.get(offset..).unwrap_or_default();
+impl Body {
+    fn new(wanted: &Wanted) -> Body {
+        Body { whole_numbers: true, keep: vec![Vec::new(); wanted.keep.len()], ..Body::default() }
+    }
+}
+
+/// Room for as many rows as the first lines' length suggests in `length` bytes.
+fn reserve(out: &mut Body, sheet: &Sheet<'_>, length: u64, wanted: &Wanted) {
+    let rest = sheet.text.get(sheet.data_offset..).unwrap_or_default();
     let head = rest.get(..rest.len().min(1 << 16)).unwrap_or(rest);
     let lines = memchr::memchr_iter(b'\n', head).count().max(1);
-    let rows = (rest.len() as f64 / (head.len().max(1) as f64 / lines as f64) * 1.02) as usize + 16;
+    let length = length.min(1 << 36) as usize;
+    let rows = (length as f64 / (head.len().max(1) as f64 / lines as f64) * 1.02) as usize + 16;
     // Never more than the text could hold: two bytes a cell.
-    let rows = rows.min(rest.len() / 4 + 16);
+    let rows = rows.min(length / 4 + 16);
     let has = |slot: usize| wanted.slot.get(slot).is_some_and(Option::is_some);
     if has(TIME) {
         out.time.reserve_exact(rows);
@@ -289,13 +428,32 @@ pub(crate) fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
 }
 
 impl Reader<'_, '_> {
+    /// Reads the plain rows at the start of a block.
+    fn start<'b>(&self, block: Cow<'b, [u8]>, shape: &mut [u8]) -> Start<'b> {
+        let mut rows = Body::new(self.wanted);
+        reserve(&mut rows, self.sheet, block.len() as u64, self.wanted);
+        let mut row = [0.0f64; SLOTS];
+        let mut stop = 0;
+        while stop < block.len()
+            && let Some(next) = self.fast(&block, stop, &mut row, shape)
+        {
+            push(&mut rows, &row, self.wanted);
+            if !self.wanted.keep.is_empty() {
+                self.keep(block.get(stop..next).unwrap_or_default(), &mut rows);
+            }
+            stop = next;
+        }
+        Start { block, rows, stop }
+    }
+
     /// Reads a row of plain numbers; gives the start of the next line, or nothing where the row needs care.
+    /// `shape` has the digits after the point of each column in the row before.
     #[inline]
-    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS]) -> Option<usize> {
+    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [u8]) -> Option<usize> {
         let Delimiter::Byte(separator) = self.sheet.delimiter else { return None };
         let mut at = start;
         let last = self.needed - 1;
-        for (column, slot) in self.action.iter().enumerate() {
+        for ((column, slot), places) in self.action.iter().enumerate().zip(shape) {
             if *slot == SKIP {
                 let rest = text.get(at..)?;
                 let end = rest.iter().position(|b| *b == separator || *b == b'\n' || *b == b'"')?;
@@ -319,7 +477,7 @@ impl Reader<'_, '_> {
                     time_cell(rest.get(..length)?, form, self.sheet.decimal).ok()?;
                 at + length
             } else {
-                let (value, end) = number::scan(text, at, self.sheet.decimal)?;
+                let (value, end) = number::scan_like(text, at, self.sheet.decimal, places)?;
                 *row.get_mut(usize::from(*slot))? = value;
                 end
             };

@@ -144,6 +144,11 @@ pub enum Problem {
         /// What the decoder said.
         detail: String,
     },
+    /// Reading went wrong on the way.
+    Unreadable {
+        /// What the system said.
+        detail: String,
+    },
     /// Unpacked, the file is larger than the limit.
     TooLarge {
         /// The limit, bytes.

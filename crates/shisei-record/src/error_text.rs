@@ -126,6 +126,7 @@ pub(crate) fn english(problem: &Problem) -> String {
         Problem::Damaged { format, detail } => {
             format!("the {format} data are damaged or cut off ({detail}); copy the file again")
         }
+        Problem::Unreadable { detail } => format!("it cannot be read ({detail})"),
         Problem::TooLarge { limit } => format!(
             "unpacked, the file is larger than {} MiB; unpack it yourself if it is what you expect, and \
              split it",
@@ -250,6 +251,7 @@ pub(crate) fn japanese(problem: &Problem) -> String {
                 "{format} のデータが壊れているか途中で切れています ({detail})。もう一度コピーしてください"
             )
         }
+        Problem::Unreadable { detail } => format!("読み取れません ({detail})"),
         Problem::TooLarge { limit } => format!(
             "展開すると {} MiB を超えます。想定どおりなら自分で展開し、分割してください",
             limit / (1024 * 1024)

@@ -8,6 +8,7 @@
 //! each column is) → `plan` (which columns are read) → `body` (numbers) → `clock` (time) → `settle` (units,
 //! gravity, axes, clipping).
 
+mod blocks;
 mod body;
 pub mod calibration;
 mod clock;
@@ -32,6 +33,7 @@ mod settle;
 pub mod sheet;
 pub mod spresense_stream;
 pub mod stamp;
+mod stream;
 pub mod track;
 pub mod units;
 mod words;
@@ -44,6 +46,7 @@ pub use options::{AxisMap, ColumnRef, Columns, Options, Permutation, Scale, Unit
 pub use recording::{Assumption, Channel, Extra, Findings, Gap, LONG_GAP_S, Note, Recording, Warning};
 pub use sheet::Delimiter;
 pub use shisei_core::Lang;
+pub use stream::{Stream, open_stream};
 
 /// One file.
 #[derive(Clone, Copy, Debug)]

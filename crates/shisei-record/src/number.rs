@@ -3,6 +3,9 @@
 //! Fast path (Clinger 1990): a decimal of at most 19 digits whose mantissa is below 2^53 and whose power of
 //! ten is within 10^±22 is one correctly rounded product or quotient of two exact doubles. Everything else
 //! goes to `str::parse`.
+//!
+//! Cells of a column mostly have as many digits after the point as the cell above ([`scan_like`]): with that
+//! length guessed, where the next cell starts does not wait for this one to be understood.
 
 /// Powers of ten that a double holds exactly.
 const TEN: [f64; 23] = [
@@ -53,10 +56,98 @@ fn digits(bytes: &[u8], mut at: usize, mantissa: &mut u64) -> usize {
     at
 }
 
+/// Longest guess of the digits after the point.
+const GUESS_LIMIT: u8 = 16;
+/// Bytes that a guessed number may take, the byte after it included.
+const WINDOW: usize = 32;
+
+/// As [`scan`], guessing that there are `places` digits after the point as in the cell before; `places` is set
+/// right where the guess was wrong.
+#[inline(always)]
+pub(crate) fn scan_like(bytes: &[u8], at: usize, decimal: u8, places: &mut u8) -> Option<(f64, usize)> {
+    if let Some(found) = guessed(bytes, at, decimal, *places) {
+        return Some(found);
+    }
+    let (value, end, after_point) = scan_parts(bytes, at, decimal)?;
+    *places = after_point.min(GUESS_LIMIT);
+    Some((value, end))
+}
+
+/// The number at `at` if it is `[-]digits[.digits]` with `places` digits after the point and an exact mantissa.
+#[inline(always)]
+fn guessed(bytes: &[u8], at: usize, decimal: u8, places: u8) -> Option<(f64, usize)> {
+    let window: &[u8; WINDOW] = bytes.get(at..at + WINDOW)?.try_into().ok()?;
+    let negative = window[0] == b'-';
+    let start = usize::from(negative);
+    let mut whole = 0u64;
+    let mut i = start;
+    while i < 10 {
+        let digit = window[i].wrapping_sub(b'0');
+        if digit > 9 {
+            break;
+        }
+        whole = whole * 10 + u64::from(digit);
+        i += 1;
+    }
+    if i == start {
+        return None;
+    }
+    let places = usize::from(places.min(GUESS_LIMIT));
+    let mut mantissa = whole;
+    if places > 0 {
+        if window[i] != decimal || i - start + places > 19 {
+            return None;
+        }
+        i += 1;
+        let mut left = places;
+        let mut wrong = 0u64;
+        if left > 8 {
+            let values = word(window, i) ^ ZEROS;
+            wrong = not_digits(values);
+            mantissa = mantissa * TEN_INTEGER[8] + eight_digits(values);
+            i += 8;
+            left -= 8;
+        }
+        let values = (word(window, i) ^ ZEROS) << (64 - 8 * left);
+        if wrong | not_digits(values) != 0 {
+            return None;
+        }
+        mantissa = mantissa * TEN_INTEGER[left] + eight_digits(values);
+        i += left;
+    }
+    let next = window[i];
+    if next.is_ascii_digit() || next | 0x20 == b'e' || next == decimal && places == 0 || mantissa > 1 << 53 {
+        return None;
+    }
+    let magnitude = mantissa as i64 as f64 / TEN[places];
+    Some((if negative { -magnitude } else { magnitude }, at + i))
+}
+
+const ZEROS: u64 = 0x3030_3030_3030_3030;
+
+#[inline(always)]
+fn word(window: &[u8; WINDOW], at: usize) -> u64 {
+    // at most 11 + 8 of 32
+    let mut bytes = [0u8; 8];
+    bytes.copy_from_slice(&window[at..at + 8]);
+    u64::from_le_bytes(bytes)
+}
+
+/// Not zero where a byte is above 9.
+#[inline(always)]
+fn not_digits(values: u64) -> u64 {
+    (values.wrapping_add(0x0606_0606_0606_0606) | values) & 0xF0F0_F0F0_F0F0_F0F0
+}
+
 /// Reads a number that starts at `at`; gives it and the position after it, or nothing where there is no
-/// plain number here or the fast path does not hold.
+/// plain finite number here.
 #[inline]
 pub(crate) fn scan(bytes: &[u8], at: usize, decimal: u8) -> Option<(f64, usize)> {
+    scan_parts(bytes, at, decimal).map(|(value, end, _)| (value, end))
+}
+
+/// [`scan`], and how many digits follow the point.
+fn scan_parts(bytes: &[u8], at: usize, decimal: u8) -> Option<(f64, usize, u8)> {
     let first = *bytes.get(at)?;
     let negative = first == b'-';
     let start = at + usize::from(negative || first == b'+');
@@ -64,13 +155,15 @@ pub(crate) fn scan(bytes: &[u8], at: usize, decimal: u8) -> Option<(f64, usize)>
     let mut end = digits(bytes, start, &mut mantissa);
     let mut count = end - start;
     let mut exponent = 0i64;
+    let mut after_point = 0;
     if bytes.get(end) == Some(&decimal) {
         let fraction = end + 1;
         end = digits(bytes, fraction, &mut mantissa);
-        exponent = fraction as i64 - end as i64;
-        count += end - fraction;
+        after_point = end - fraction;
+        exponent = -(after_point as i64);
+        count += after_point;
     }
-    if count == 0 || count > 19 {
+    if count == 0 {
         return None;
     }
     if matches!(bytes.get(end), Some(b'e' | b'E')) {
@@ -87,15 +180,32 @@ pub(crate) fn scan(bytes: &[u8], at: usize, decimal: u8) -> Option<(f64, usize)>
         exponent += if minus { -(value as i64) } else { value as i64 };
         end = stop;
     }
-    if mantissa > 1 << 53 {
+    let after_point = u8::try_from(after_point).unwrap_or(u8::MAX);
+    let scale = TEN.get(exponent.unsigned_abs() as usize);
+    let Some(scale) = scale.filter(|_| count <= 19 && mantissa <= 1 << 53) else {
+        return Some((exact(bytes.get(at..end)?, decimal)?, end, after_point));
+    };
+    let magnitude = mantissa as i64 as f64;
+    let value = if exponent >= 0 { magnitude * scale } else { magnitude / scale };
+    Some((if negative { -value } else { value }, end, after_point))
+}
+
+/// A number of many digits, or far from 1.
+fn exact(text: &[u8], decimal: u8) -> Option<f64> {
+    let mut buffer = [0u8; 64];
+    let text = if decimal == b'.' {
+        text
+    } else {
+        let copy = buffer.get_mut(..text.len())?;
+        for (to, from) in copy.iter_mut().zip(text) {
+            *to = if *from == decimal { b'.' } else { *from };
+        }
+        &*copy
+    };
+    if text.len() > 64 {
         return None;
     }
-    let magnitude = mantissa as f64;
-    let value = match usize::try_from(exponent) {
-        Ok(up) => magnitude * TEN.get(up)?,
-        Err(_) => magnitude / TEN.get(usize::try_from(-exponent).ok()?)?,
-    };
-    Some((if negative { -value } else { value }, end))
+    std::str::from_utf8(text).ok()?.parse().ok().filter(|value: &f64| value.is_finite())
 }
 
 /// What a cell holds.
@@ -170,6 +280,13 @@ mod tests {
         assert_eq!(cell(text.as_bytes(), b'.'), Cell::Number(expected), "{text}");
         let Cell::Number(got) = cell(text.as_bytes(), b'.') else { unreachable!() };
         assert_eq!(got.to_bits(), expected.to_bits(), "{text}");
+        // among other cells, under every guess
+        for places in (0..=17).filter(|_| text.len() <= 64) {
+            let row = format!("{text},-12.25,7.125,0.5,99999999999999999");
+            let mut guess = places;
+            let (got, end) = scan_like(row.as_bytes(), 0, b'.', &mut guess).unwrap();
+            assert_eq!((got.to_bits(), end), (expected.to_bits(), text.len()), "{text} guessed {places}");
+        }
     }
 
     #[test]
@@ -211,6 +328,22 @@ mod tests {
         #[test]
         fn any_decimal(text in "[-+]?[0-9]{1,12}\\.[0-9]{0,14}(e[-+]?[0-9]{1,2})?") {
             same(&text);
+        }
+
+        #[test]
+        fn any_plain_decimal(text in "-?[0-9]{1,10}(\\.[0-9]{1,18})?") {
+            same(&text);
+        }
+
+        /// What is no number to std is none to the guess, or ends where the number does.
+        #[test]
+        fn anything(text in "[-+0-9.,eE ]{0,40}", places in 0u8..20) {
+            let mut guess = places;
+            let found = scan_like(text.as_bytes(), 0, b'.', &mut guess);
+            prop_assert_eq!(found, scan(text.as_bytes(), 0, b'.'));
+            if let Some((value, end)) = found {
+                prop_assert_eq!(text[..end].parse::<f64>().unwrap().to_bits(), value.to_bits());
+            }
         }
     }
 

@@ -216,7 +216,7 @@ fn read_names(sheet: &Sheet<'_>, options: &Options) -> (dialect::Dialect, Readin
 }
 
 /// Reads one table; `read` turns its rows into numbers.
-fn table_part(
+pub(crate) fn table_part(
     sheet: &Sheet<'_>,
     options: &Options,
     split: bool,

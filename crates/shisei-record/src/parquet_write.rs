@@ -33,7 +33,7 @@ fn write<W: Write + Send>(sink: W, names: &[&str], columns: &[Column<'_>]) -> Re
     let mut fields = Vec::new();
     for (name, column) in names.iter().zip(columns) {
         let (physical, logical) = match column {
-            Column::Numbers(_) | Column::Strided { .. } => (Physical::DOUBLE, None),
+            Column::Numbers(_) | Column::Strided { .. } | Column::Computed { .. } => (Physical::DOUBLE, None),
             Column::Flags(_) => (Physical::BOOLEAN, None),
             Column::Texts(_) => (Physical::BYTE_ARRAY, Some(LogicalType::String)),
         };
@@ -85,6 +85,10 @@ fn write_column<W: Write + Send>(
                 .map(|row| values.get(row * stride + offset).copied().unwrap_or(f64::NAN))
                 .collect();
             writer.typed::<DoubleType>().write_batch(&picked, None, None)?;
+        }
+        Column::Computed { rows, value } => {
+            let made: Vec<f64> = (start..end).map(|k| if k < *rows { value(k) } else { f64::NAN }).collect();
+            writer.typed::<DoubleType>().write_batch(&made, None, None)?;
         }
         Column::Flags(values) => {
             writer.typed::<BoolType>().write_batch(values.get(start..end).unwrap_or_default(), None, None)?;

@@ -1,7 +1,12 @@
 //! Writing our columns: CSV with the shortest decimals that read back to the same bits, or with a fixed
 //! number of decimals.
 
+mod decimal;
+
+use decimal::WINDOW;
+use std::collections::VecDeque;
 use std::io::{self, Write};
+use std::sync::{Mutex, mpsc};
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -15,119 +20,57 @@ pub enum Decimals {
 
 /// Appends a number; NaN and infinities as `NaN`, `inf`, `-inf`.
 pub fn push_number(out: &mut Vec<u8>, value: f64, decimals: Decimals) {
-    match decimals {
-        Decimals::Shortest => shortest(out, value),
-        Decimals::Fixed(places) => fixed(out, value, places.min(12)),
-    }
+    let mut page = Page { bytes: std::mem::take(out), length: 0 };
+    page.length = page.bytes.len();
+    page.number(value, decimals);
+    *out = page.text();
 }
 
-fn shortest(out: &mut Vec<u8>, value: f64) {
-    if value == 0.0 {
-        out.push(b'0');
-        return;
-    }
-    if !value.is_finite() {
-        out.extend_from_slice(special(value));
-        return;
-    }
-    let mut buffer = zmij::Buffer::new();
-    let text = buffer.format_finite(value);
-    out.extend_from_slice(text.strip_suffix(".0").unwrap_or(text).as_bytes());
+/// Text that grows; its memory is used again.
+#[derive(Default)]
+struct Page {
+    /// What is written, and room beyond.
+    bytes: Vec<u8>,
+    length: usize,
 }
 
-fn special(value: f64) -> &'static [u8] {
-    if value.is_nan() {
-        b"NaN"
-    } else if value > 0.0 {
-        b"inf"
-    } else {
-        b"-inf"
-    }
-}
-
-/// Powers of ten, exact.
-const TEN: [u64; 13] = [
-    1,
-    10,
-    100,
-    1_000,
-    10_000,
-    100_000,
-    1_000_000,
-    10_000_000,
-    100_000_000,
-    1_000_000_000,
-    10_000_000_000,
-    100_000_000_000,
-    1_000_000_000_000,
-];
-
-fn fixed(out: &mut Vec<u8>, value: f64, places: u8) {
-    let places = usize::from(places);
-    let scale = TEN.get(places).copied().unwrap_or(1);
-    let size = if value < 0.0 { -value } else { value };
-    let scaled = size * scale as f64;
-    // Exact product with room to spare: the rounding of the product cannot move it over a half.
-    let whole = scaled.trunc();
-    let rest = scaled - whole;
-    let clear = !(0.4999..=0.5001).contains(&rest);
-    if !(scaled < 4.5e12 && clear) {
-        if value.is_finite() {
-            // Rare: ties, large numbers.
-            let _ = write!(out, "{value:.places$}");
-        } else {
-            out.extend_from_slice(special(value));
+impl Page {
+    #[inline]
+    fn number(&mut self, value: f64, decimals: Decimals) {
+        if self.bytes.len() < self.length + WINDOW {
+            self.bytes.resize(2 * self.bytes.len() + 4 * WINDOW, 0);
         }
-        return;
+        let window = self.bytes.get_mut(self.length..self.length + WINDOW).and_then(|w| w.try_into().ok());
+        match (window.and_then(|window| decimal::number(window, value, decimals)), decimals) {
+            (Some(length), _) => self.length += length,
+            (None, Decimals::Fixed(places)) => self.append(|out| decimal::long_number(out, value, places)),
+            (None, Decimals::Shortest) => {} // always fits
+        }
     }
-    let n = whole as u64 + u64::from(rest > 0.5);
-    if value < 0.0 && n > 0 {
-        out.push(b'-');
-    }
-    push_integer(out, n / scale, 1);
-    if places > 0 {
-        out.push(b'.');
-        push_integer(out, n % scale, places);
-    }
-}
 
-/// Two digits of every number below 100.
-const PAIRS: [u8; 200] = {
-    let mut table = [0u8; 200];
-    let mut i = 0;
-    while i < 100 {
-        table[2 * i] = b'0' + (i / 10) as u8;
-        table[2 * i + 1] = b'0' + (i % 10) as u8;
-        i += 1;
+    #[inline]
+    fn byte(&mut self, byte: u8) {
+        match self.bytes.get_mut(self.length) {
+            Some(place) => *place = byte,
+            None => self.bytes.push(byte),
+        }
+        self.length += 1;
     }
-    table
-};
 
-/// Appends an integer with at least `width` digits.
-fn push_integer(out: &mut Vec<u8>, mut n: u64, width: usize) {
-    let mut buffer = [b'0'; 20];
-    let mut at = 20;
-    while n >= 100 {
-        let pair = (n % 100) as usize * 2;
-        n /= 100;
-        at -= 2;
-        buffer[at] = PAIRS[pair];
-        buffer[at + 1] = PAIRS[pair + 1];
+    fn append(&mut self, write: impl FnOnce(&mut Vec<u8>)) {
+        self.bytes.truncate(self.length);
+        write(&mut self.bytes);
+        self.length = self.bytes.len();
     }
-    if n >= 10 {
-        at -= 2;
-        buffer[at] = PAIRS[n as usize * 2];
-        buffer[at + 1] = PAIRS[n as usize * 2 + 1];
-    } else {
-        at -= 1;
-        buffer[at] = b'0' + n as u8;
+
+    fn text(mut self) -> Vec<u8> {
+        self.bytes.truncate(self.length);
+        self.bytes
     }
-    at = at.min(20usize.saturating_sub(width));
-    out.extend_from_slice(&buffer[at..]);
 }
 
 /// One column of a table to write.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub enum Column<'a> {
     /// Numbers.
     Numbers(&'a [f64]),
@@ -140,10 +83,30 @@ pub enum Column<'a> {
         /// Which of them.
         offset: usize,
     },
+    /// Numbers that are made as they are written.
+    Computed {
+        /// How many.
+        rows: usize,
+        /// The number of a row.
+        value: &'a (dyn Fn(usize) -> f64 + Sync),
+    },
     /// 1 and 0.
     Flags(&'a [bool]),
     /// Text, quoted where needed.
     Texts(&'a [Box<str>]),
+}
+
+impl std::fmt::Debug for Column<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let kind = match self {
+            Column::Numbers(_) => "Numbers",
+            Column::Strided { .. } => "Strided",
+            Column::Computed { .. } => "Computed",
+            Column::Flags(_) => "Flags",
+            Column::Texts(_) => "Texts",
+        };
+        write!(f, "{kind} × {}", self.len())
+    }
 }
 
 impl Column<'_> {
@@ -151,20 +114,24 @@ impl Column<'_> {
         match self {
             Column::Numbers(v) => v.len(),
             Column::Strided { values, stride, .. } => values.len() / (*stride).max(1),
+            Column::Computed { rows, .. } => *rows,
             Column::Flags(v) => v.len(),
             Column::Texts(v) => v.len(),
         }
     }
 
     #[inline]
-    fn push(&self, out: &mut Vec<u8>, row: usize, decimals: Decimals) {
+    fn push(&self, out: &mut Page, row: usize, decimals: Decimals) {
         match self {
-            Column::Numbers(v) => push_number(out, v.get(row).copied().unwrap_or(f64::NAN), decimals),
+            Column::Numbers(v) => out.number(v.get(row).copied().unwrap_or(f64::NAN), decimals),
             Column::Strided { values, stride, offset } => {
-                push_number(out, values.get(row * stride + offset).copied().unwrap_or(f64::NAN), decimals);
+                out.number(values.get(row * stride + offset).copied().unwrap_or(f64::NAN), decimals);
             }
-            Column::Flags(v) => out.push(if v.get(row) == Some(&true) { b'1' } else { b'0' }),
-            Column::Texts(v) => push_text(out, v.get(row).map_or("", |t| t)),
+            Column::Computed { rows, value } => {
+                out.number(if row < *rows { value(row) } else { f64::NAN }, decimals);
+            }
+            Column::Flags(v) => out.byte(if v.get(row) == Some(&true) { b'1' } else { b'0' }),
+            Column::Texts(v) => out.append(|out| push_text(out, v.get(row).map_or("", |t| t))),
         }
     }
 }
@@ -180,37 +147,103 @@ pub fn push_text(out: &mut Vec<u8>, text: &str) {
     }
 }
 
-/// Writes a table as CSV: a header, then one row a sample, in blocks of about 64 KiB.
+/// Rows that are made into text together; the text stays in the processor's cache.
+const ROWS: usize = 1024;
+/// Numbers below which a table is written by one thread.
+const SMALL: usize = 1 << 18;
+
+/// Writes a table as CSV: a header, then one row a sample. Long tables are made into text by as many threads as
+/// there are processors, the same text whatever their number.
 pub fn csv(
     sink: &mut dyn Write,
     names: &[&str],
     columns: &[Column<'_>],
     decimals: Decimals,
 ) -> io::Result<()> {
-    const BLOCK: usize = 1 << 16;
-    let mut out = Vec::with_capacity(BLOCK + 4096);
+    let mut header = Vec::new();
     for (i, name) in names.iter().enumerate() {
         if i > 0 {
-            out.push(b',');
+            header.push(b',');
         }
-        push_text(&mut out, name);
+        push_text(&mut header, name);
     }
-    out.push(b'\n');
+    header.push(b'\n');
+    sink.write_all(&header)?;
     let rows = columns.iter().map(Column::len).max().unwrap_or(0);
-    for row in 0..rows {
-        for (i, column) in columns.iter().enumerate() {
-            if i > 0 {
-                out.push(b',');
+    let table = Table { columns, decimals, rows };
+    let threads = if rows * columns.len() < SMALL {
+        1
+    } else {
+        std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+    };
+    if threads > 1 {
+        return table.parallel(sink, threads);
+    }
+    let mut page = Page::default();
+    for start in (0..rows).step_by(ROWS) {
+        table.lines(&mut page, start);
+        sink.write_all(page.bytes.get(..page.length).unwrap_or_default())?;
+    }
+    Ok(())
+}
+
+struct Table<'a> {
+    columns: &'a [Column<'a>],
+    decimals: Decimals,
+    rows: usize,
+}
+
+impl Table<'_> {
+    /// The text of the rows from `start` on, as many as are made together.
+    fn lines(&self, page: &mut Page, start: usize) {
+        page.length = 0;
+        for row in start..self.rows.min(start + ROWS) {
+            for (i, column) in self.columns.iter().enumerate() {
+                if i > 0 {
+                    page.byte(b',');
+                }
+                column.push(page, row, self.decimals);
             }
-            column.push(&mut out, row, decimals);
-        }
-        out.push(b'\n');
-        if out.len() >= BLOCK {
-            sink.write_all(&out)?;
-            out.clear();
+            page.byte(b'\n');
         }
     }
-    sink.write_all(&out)
+
+    /// Threads make the text, this one writes it in order.
+    fn parallel(&self, sink: &mut dyn Write, threads: usize) -> io::Result<()> {
+        let (send, receive) = mpsc::channel::<(usize, Page, mpsc::Sender<Page>)>();
+        let receive = Mutex::new(receive);
+        std::thread::scope(|scope| {
+            for _ in 0..threads {
+                scope.spawn(|| {
+                    loop {
+                        let job = receive.lock().map_or(None, |jobs| jobs.recv().ok());
+                        let Some((start, mut page, answer)) = job else { return };
+                        self.lines(&mut page, start);
+                        // Nobody waits where writing failed.
+                        let _ = answer.send(page);
+                    }
+                });
+            }
+            let send = send; // dropped at the end: the threads end too
+            let mut spare = Vec::new();
+            let mut coming = VecDeque::new();
+            let mut starts = (0..self.rows).step_by(ROWS);
+            loop {
+                while coming.len() < 4 * threads
+                    && let Some(start) = starts.next()
+                {
+                    let (answer, result) = mpsc::channel();
+                    if send.send((start, spare.pop().unwrap_or_default(), answer)).is_ok() {
+                        coming.push_back(result);
+                    }
+                }
+                let Some(next) = coming.pop_front() else { return Ok(()) };
+                let Ok(page) = next.recv() else { return Ok(()) };
+                sink.write_all(page.bytes.get(..page.length).unwrap_or_default())?;
+                spare.push(page);
+            }
+        })
+    }
 }
 
 /// Writes a recording's canonical columns (INTERFACES): `time_s, acc_x … gyr_z[, temp_c]`, then kept ones.
@@ -265,6 +298,48 @@ mod tests {
         assert_eq!(text(12.3456, Decimals::Fixed(2)), "12.35");
         assert_eq!(text(f64::NAN, Decimals::Fixed(2)), "NaN");
         assert_eq!(text(7.0, Decimals::Fixed(0)), "7");
+        for (value, expected) in [
+            (-0.0, "0"),
+            (123456789.0, "123456789"),
+            (9007199254740993.0, "9007199254740992"),
+            (-1e15, "-1000000000000000"),
+            (1e16, "1e16"),
+            (1e300, "1e300"),
+            (-9223372036854775808.0, "-9.223372036854776e18"),
+        ] {
+            assert_eq!(text(value, Decimals::Shortest), expected);
+        }
+        assert_eq!(text(0.9999999, Decimals::Fixed(6)), "1.000000");
+        assert_eq!(text(-123456.75, Decimals::Fixed(1)), "-123456.8");
+        assert_eq!(text(1e300, Decimals::Fixed(12)), format!("{:.12}", 1e300));
+        assert_eq!(text(f64::NEG_INFINITY, Decimals::Shortest), "-inf");
+        let mut out = b"kept,".to_vec();
+        push_number(&mut out, 2.5, Decimals::Shortest);
+        assert_eq!(out, b"kept,2.5");
+    }
+
+    /// A table long enough for several threads, against the plain way of making it.
+    #[test]
+    fn a_long_table_as_std_writes_it() {
+        let rows = SMALL / 3;
+        let numbers: Vec<f64> = (0..rows).map(|k| k as f64 / 3.0 - 1000.0).collect();
+        let flags: Vec<bool> = (0..rows).map(|k| k % 7 == 0).collect();
+        let texts: Vec<Box<str>> = (0..rows).map(|k| format!("a \"{k}\"").into()).collect();
+        let half = |k: usize| k as f64 * 0.5;
+        let columns = [
+            Column::Numbers(&numbers),
+            Column::Computed { rows: rows - 1, value: &half },
+            Column::Flags(&flags),
+            Column::Texts(&texts),
+        ];
+        let mut out = Vec::new();
+        csv(&mut out, &["a", "b,c", "d", "e"], &columns, Decimals::Fixed(3)).unwrap();
+        let mut expected = "a,\"b,c\",d,e\n".to_owned();
+        for k in 0..rows {
+            let b = if k + 1 < rows { format!("{:.3}", half(k)) } else { "NaN".into() };
+            expected += &format!("{:.3},{b},{},\"a \"\"{k}\"\"\"\n", numbers[k], u8::from(flags[k]));
+        }
+        assert!(out == expected.into_bytes());
     }
 
     proptest! {

@@ -2,6 +2,7 @@
 
 pub mod accuracy;
 pub mod bridge;
+pub mod cli;
 mod coverage;
 pub mod doors;
 mod estimators;

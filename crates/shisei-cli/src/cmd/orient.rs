@@ -160,7 +160,7 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     }
     let orientation = compute(plan, source, &recording).map_err(refuse)?;
     let warnings = warnings(plan, &recording, &orientation);
-    let ypr_rad: Vec<[f64; 3]> = (0..recording.len()).map(|k| orientation.ypr(k).to_array()).collect();
+    let ypr_rad = orientation.ypr_rad();
     let report = summary::report(plan, source, &recording, &orientation, &ypr_rad, &warnings);
 
     // Everything is made under temporary names before anything is in its place.
@@ -189,8 +189,7 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     }
     let (unit, factor) = if plan.args.degrees { ("deg", DEG_PER_RAD) } else { ("rad", 1.0) };
     let table = |out: &mut dyn std::io::Write| {
-        let angles: Vec<[f64; 3]> = ypr_rad.iter().map(|ypr| ypr.map(|angle| angle * factor)).collect();
-        tables::orientation(out, format, &recording, &orientation, &angles, (unit, factor))
+        tables::orientation(out, format, &recording, &orientation, &ypr_rad, (unit, factor))
     };
     staged.push(plan.writer.stage(&places.csv, kind, table).map_err(refuse)?);
     plan.writer.finish(staged).map_err(refuse)?;

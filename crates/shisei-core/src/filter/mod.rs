@@ -22,6 +22,7 @@ pub use mahony::Mahony;
 pub use mahony_adaptive::{AdaptiveGain, MahonyAdaptive};
 
 use crate::error::{Error, Result};
+use crate::euler::{self, AttitudeRow};
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
@@ -108,7 +109,7 @@ impl<F: Filter + ?Sized> Filter for alloc::boxed::Box<F> {
 /// Refused: unequal lengths, numbers that are not finite (with their row), steps that are not greater than
 /// zero. The result may be asked for as [`Quaternion`], `[f64; 4]`, [`Ypr`](crate::Ypr) or `[f64; 3]` (yaw,
 /// pitch, roll). After a refusal `out` and the filter have seen some of the rows before the refused one.
-pub fn run_into<F: Filter + ?Sized, O: From<Quaternion>>(
+pub fn run_into<F: Filter + ?Sized, O: AttitudeRow>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
     acc_m_s2: &[Vec3],
@@ -124,9 +125,10 @@ pub fn run_into<F: Filter + ?Sized, O: From<Quaternion>>(
         let end = rows.min(start + BLOCK);
         check_rows(&gyro_rad_s[start..end], start)?;
         check_rows(&acc_m_s2[start..end], start)?;
-        for k in start..end {
-            out[k] = O::from(filter.update(gyro_rad_s[k], acc_m_s2[k], dt.at(k)));
-        }
+        euler::fill(&mut out[start..end], |i| {
+            let k = start + i;
+            filter.update(gyro_rad_s[k], acc_m_s2[k], dt.at(k))
+        });
         start = end;
     }
     Ok(())
@@ -134,7 +136,7 @@ pub fn run_into<F: Filter + ?Sized, O: From<Quaternion>>(
 
 /// [`run_into`] with a new vector.
 #[cfg(feature = "alloc")]
-pub fn run<F: Filter + ?Sized, O: From<Quaternion> + Clone>(
+pub fn run<F: Filter + ?Sized, O: AttitudeRow + Clone>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
     acc_m_s2: &[Vec3],
@@ -146,7 +148,7 @@ pub fn run<F: Filter + ?Sized, O: From<Quaternion> + Clone>(
 }
 
 /// Runs a gyroscope integrator over a series of rates; otherwise as [`run_into`].
-pub fn run_gyro_into<F: GyroOnly, O: From<Quaternion>>(
+pub fn run_gyro_into<F: GyroOnly, O: AttitudeRow>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
     dt: Dt<'_>,
@@ -156,15 +158,13 @@ pub fn run_gyro_into<F: GyroOnly, O: From<Quaternion>>(
     same_length(rows, out.len())?;
     dt.check(rows)?;
     check_rows(gyro_rad_s, 0)?;
-    for (k, (row, &gyro)) in out.iter_mut().zip(gyro_rad_s).enumerate() {
-        *row = O::from(filter.update_gyro(gyro, dt.at(k)));
-    }
+    euler::fill(out, |k| filter.update_gyro(gyro_rad_s[k], dt.at(k)));
     Ok(())
 }
 
 /// [`run_gyro_into`] with a new vector.
 #[cfg(feature = "alloc")]
-pub fn run_gyro<F: GyroOnly, O: From<Quaternion> + Clone>(
+pub fn run_gyro<F: GyroOnly, O: AttitudeRow + Clone>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
     dt: Dt<'_>,

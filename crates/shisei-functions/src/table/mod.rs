@@ -96,7 +96,7 @@ fn filtered<const N: usize>(
     dt_s: f64,
 ) -> Result<Vec<[f64; N]>>
 where
-    [f64; N]: From<shisei_core::Quaternion>,
+    [f64; N]: shisei_core::AttitudeRow,
 {
     series("gyro", gyro_rad_s.len(), |out| {
         run_into(&mut filter, gyro_rad_s, acc_m_s2, Dt::Constant(dt_s), out)
