@@ -29,6 +29,8 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(calibration::six_face, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::apply, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::multi_pose, module)?)?;
+    module.add_function(wrap_pyfunction!(calibration::known_turns, module)?)?;
+    module.add_function(wrap_pyfunction!(measure::mean_rate, module)?)?;
     module.add_function(wrap_pyfunction!(measure::allan_deviation, module)?)?;
     module.add_function(wrap_pyfunction!(measure::fit_sphere, module)?)?;
     module.add_function(wrap_pyfunction!(measure::earth_rate, module)?)?;

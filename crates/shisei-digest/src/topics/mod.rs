@@ -59,7 +59,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "sphere", run: fits::sphere },
     Topic { name: "allan", run: fits::allan },
     Topic { name: "calibration/apply", run: calibration::apply },
-    Topic { name: "calibration/affine", run: calibration::affine },
+    Topic { name: "calibration/sensor_model", run: calibration::sensor_model },
     Topic { name: "calibration/search", run: calibration::search },
     Topic { name: "calibration/six_face", run: calibration::six_face },
     Topic { name: "calibration/still", run: calibration::still },

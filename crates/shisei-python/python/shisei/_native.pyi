@@ -102,3 +102,18 @@ def navigate(
 def multi_pose(
     acc_m_s2: NDArray[float64], gyro_rad_s: NDArray[float64], dt_s: Any, gravity_m_s2: float, gyro_from_turns: bool
 ) -> dict[str, Any]: ...
+def known_turns(
+    acc: NDArray[float64],
+    gyro: NDArray[float64],
+    dt_s: Any,
+    turn_rad: float,
+    signed: bool,
+    gravity_m_s2: float,
+    parts: list[tuple[int, int]] | None,
+) -> dict[str, Any]: ...
+def mean_rate(
+    gyro_rad_s: NDArray[float64],
+    acc_m_s2: NDArray[float64] | None,
+    dt_s: float | NDArray[float64],
+    as_measured: bool,
+) -> dict[str, Any]: ...
