@@ -10,6 +10,7 @@ mod calibration;
 mod errors;
 mod estimator;
 mod filters;
+mod fuse;
 mod measure;
 mod sheet;
 
@@ -35,6 +36,9 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(measure::fit_sphere, module)?)?;
     module.add_function(wrap_pyfunction!(measure::earth_rate, module)?)?;
     module.add_function(wrap_pyfunction!(measure::navigate, module)?)?;
+    module.add_function(wrap_pyfunction!(fuse::read_motive, module)?)?;
+    module.add_function(wrap_pyfunction!(fuse::read_recording, module)?)?;
+    module.add_function(wrap_pyfunction!(fuse::fuse, module)?)?;
     module.add_class::<filters::MahonyFilter>()?;
     module.add_function(wrap_pyfunction!(estimator::estimate, module)?)?;
     module.add_class::<estimator::EstimatorFilter>()?;

@@ -38,6 +38,7 @@ from .filters import (
     mahony_adaptive,
     orient,
 )
+from .fusion import Fusion, Gap, ImuRecording, OpticalTake, Sync, fuse, read_motive, read_recording
 from .measure import (
     AllanDeviation,
     EarthRate,
@@ -65,11 +66,11 @@ from .rotations import (
 
 __all__ = [
     "AdaptiveGain", "AllanDeviation", "Calibration", "ConditionError", "DomainError", "EarthRate", "Estimate",
-    "Estimator", "EstimatorState", "EstimatorStates", "Face", "KnownTurnsResult", "Mahony", "MeanRate", "Measured",
-    "Motion", "MultiPoseResult",
-    "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Track", "__version__", "allan_deviation",
+    "Estimator", "EstimatorState", "EstimatorStates", "Face", "Fusion", "Gap", "ImuRecording", "KnownTurnsResult", "Mahony", "MeanRate", "Measured",
+    "Motion", "MultiPoseResult", "OpticalTake",
+    "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Sync", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",
-    "from_axis_angle", "from_ypr", "initial_attitude", "integrate_gyro", "known_turns", "mahony", "mahony_adaptive", "mean_rate", "multi_pose",
-    "multiply", "normalize", "orient", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
+    "from_axis_angle", "from_ypr", "fuse", "initial_attitude", "integrate_gyro", "known_turns", "mahony", "mahony_adaptive", "mean_rate", "multi_pose",
+    "multiply", "normalize", "orient", "read_motive", "read_recording", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
     "slerp", "to_ypr",
 ]
