@@ -95,4 +95,5 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "clock/frames", run: clock::frames },
     Topic { name: "clock/unwrap", run: clock::unwrap },
     Topic { name: "fuse", run: sync::fuse },
+    Topic { name: "fuse/relative", run: sync::relative },
 ];
