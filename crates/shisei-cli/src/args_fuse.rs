@@ -9,6 +9,31 @@ use clap::{Args, ValueEnum};
 pub enum SyncName {
     Rates,
     Sequence,
+    PulseFile,
+}
+
+/// What the sensor is fixed to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum ModeName {
+    Bridge,
+    Relative,
+}
+
+/// Where and how a tool is held: m in the parent's axes, and degrees.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Grip {
+    pub at_m: [f64; 3],
+    pub ypr_deg: [f64; 3],
+}
+
+fn grip(text: &str) -> Result<Grip, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|part| part.trim().parse().ok().filter(|x: &f64| x.is_finite())).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(Grip { at_m: [x, y, z], ypr_deg: [0.0; 3] }),
+        Some(&[x, y, z, yaw, pitch, roll]) => Ok(Grip { at_m: [x, y, z], ypr_deg: [yaw, pitch, roll] }),
+        _ => Err("X,Y,Z in m, or X,Y,Z,YAW,PITCH,ROLL in m and degrees".to_owned()),
+    }
 }
 
 #[derive(Args, Debug)]
@@ -28,9 +53,24 @@ pub struct Fuse {
     /// Which rigid body, or SKELETON:BONE, the sensor is fixed to, where the take has several
     #[arg(long, value_name = "NAME")]
     pub body: Option<String>,
-    /// How the clocks are brought together: by the rotation rates, or by the receiver's frame sequence (column frame)
+    /// bridge: the sensor is on the body, whose gaps it fills; relative: it is on a tool without markers that a body or bone (--parent) holds
+    #[arg(long = "mode", id = "fuse_mode", value_enum, default_value = "bridge", value_name = "MODE")]
+    pub mode: ModeName,
+    /// With --mode relative: what holds the tool, a rigid body or SKELETON:BONE
+    #[arg(long, value_name = "NAME", conflicts_with = "body")]
+    pub parent: Option<String>,
+    /// With --mode relative: where the tool is in the parent's axes (m), and how its sensor is turned there at the reference frame (yaw, pitch, roll in degrees)
+    #[arg(long, value_name = "X,Y,Z[,YAW,PITCH,ROLL]", value_parser = grip, allow_hyphen_values = true)]
+    pub grip: Option<Grip>,
+    /// With --mode relative: the frame at which the tool is held as --grip says (default: the first with both)
+    #[arg(long, value_name = "FRAME")]
+    pub reference: Option<i64>,
+    /// How the clocks are brought together: by the rotation rates, by the receiver's frame sequence (column frame), or by a file of camera pulses (--pulses)
     #[arg(long, value_enum, default_value = "rates")]
     pub sync: SyncName,
+    /// With --sync pulse-file: the time of each camera pulse on the recording's clock in seconds, one a row, from frame 0 on
+    #[arg(long, value_name = "FILE")]
+    pub pulses: Option<PathBuf>,
     /// World of the results: z-up, y-up or unity (default: the take's)
     #[arg(long = "axes", id = "world", value_name = "WORLD", value_parser = ["z-up", "y-up", "unity"])]
     pub axes: Option<String>,

@@ -28,7 +28,27 @@ const OPTIONS: &[(&str, &str)] = &[
     ),
     ("motive", "欠落を補ったテイクを Motive の CSV としても書き出します"),
     ("body", "センサを付けた剛体、または SKELETON:BONE (テイクに複数ある場合)"),
-    ("sync", "時刻合わせの方法: 回転の速さ (rates)、または受信機のフレーム番号 (sequence、frame 列)"),
+    (
+        "sync",
+        "時刻合わせの方法: 回転の速さ (rates)、受信機のフレーム番号 (sequence、frame 列)、またはカメラのパルスのファイル (pulse-file、--pulses)",
+    ),
+    (
+        "pulses",
+        "--sync pulse-file で使うファイル: 各カメラパルスの時刻 (記録の時計、秒)。フレーム 0 から 1 行に 1 つ",
+    ),
+    (
+        "fuse_mode",
+        "bridge: 剛体に付けたセンサで欠落を補う。relative: 剛体やボーン (--parent) が持つ、マーカーのない道具にセンサを付けた場合",
+    ),
+    ("parent", "--mode relative で道具を持つ側の剛体、または SKELETON:BONE"),
+    (
+        "grip",
+        "--mode relative での道具の位置 (親の座標軸、m) と、基準フレームでのセンサの向き (ヨー、ピッチ、ロール、度)",
+    ),
+    (
+        "reference",
+        "--mode relative で、道具が --grip のとおりに持たれているフレーム (省略時は両方が揃う最初のフレーム)",
+    ),
     ("world", "出力の座標系: z-up、y-up、unity (省略時はテイクのまま)"),
     ("frozen", "姿勢がこの回数だけ完全に同じなら欠落とみなします。0 で無効"),
     ("lang", "メッセージ・ヘルプ・レポートの言語: en または ja (省略時はロケールに従います)"),

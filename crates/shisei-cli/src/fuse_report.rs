@@ -3,23 +3,24 @@
 use std::fmt::Write as _;
 
 use shisei_core::fuse::{FilledGap, Source};
+use shisei_core::sync::lever::Lever;
+use shisei_core::sync::rates::Sync;
 use shisei_core::{Lang, Quaternion, vector};
 use shisei_report::attitude::AttitudeView;
 use shisei_report::column::Column;
 use shisei_report::page::{Block, Page};
 use shisei_report::plot::{Axis, Mark, Plot, Series, SpanKind, Tone, spans};
 
-use crate::cmd::fuse::Done;
+use crate::cmd::fuse::{Done, How};
 use crate::fail::say;
 use crate::summary::padded;
 
 /// Names and values that matter most.
 fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
-    let (fusion, sync) = (&done.fusion, &done.fusion.sync);
-    let count = |source| fusion.frames.iter().filter(|frame| frame.source == source).count();
+    let count = |source| done.frames.iter().filter(|frame| frame.source == source).count();
     let fact = |en: &str, ja: &str, value: String| (say(lang, en, ja), value);
     let mut all = vec![
-        fact("Body", "剛体", done.body.name.clone()),
+        fact("Body", "剛体", done.name.clone()),
         fact(
             "Frames",
             "フレーム",
@@ -27,7 +28,7 @@ fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
                 lang,
                 format!(
                     "{}: {} optical, {} bridged, {} inertial, {} none",
-                    fusion.frames.len(),
+                    done.frames.len(),
                     count(Source::Optical),
                     count(Source::Bridged),
                     count(Source::Inertial),
@@ -35,7 +36,7 @@ fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
                 ),
                 format!(
                     "{} (光学 {}、補間 {}、慣性のみ {}、なし {})",
-                    fusion.frames.len(),
+                    done.frames.len(),
                     count(Source::Optical),
                     count(Source::Bridged),
                     count(Source::Inertial),
@@ -43,6 +44,25 @@ fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
                 ),
             ),
         ),
+    ];
+    match &done.how {
+        How::Bridged { sync, lever, .. } => all.extend(of_clocks(sync, lever.as_ref(), lang)),
+        How::Held { reference, grip_m, .. } => {
+            let [x, y, z] = grip_m.map(|value| value * 1e3);
+            all.push(fact("Held by", "持つ側", done.body.name.clone()));
+            all.push(fact("Grip in its axes", "持つ側の軸での位置", format!("{x:.1}, {y:.1}, {z:.1} mm")));
+            all.push(fact("Reference frame", "基準フレーム", reference.to_string()));
+        }
+    }
+    let name = say(lang, "Axes of the results", "出力の座標系");
+    all.push((name, done.to.name().to_owned()));
+    all
+}
+
+/// Clocks and mounting.
+fn of_clocks(sync: &Sync, lever: Option<&Lever>, lang: Lang) -> Vec<(String, String)> {
+    let fact = |en: &str, ja: &str, value: String| (say(lang, en, ja), value);
+    let mut all = vec![
         fact(
             "Clock offset (1 σ)",
             "時刻のずれ (1 σ)",
@@ -80,7 +100,7 @@ fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
             ),
         ),
     ];
-    if let Some(lever) = &fusion.lever {
+    if let Some(lever) = lever {
         let [x, y, z] = lever.sensor_m.map(|value| value * 1e3);
         let sigma = vector::norm(lever.sigma_m) * 1e3;
         all.push(fact(
@@ -89,8 +109,6 @@ fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
             format!("{x:.1}, {y:.1}, {z:.1} mm ± {sigma:.1} mm"),
         ));
     }
-    let name = say(lang, "Axes of the results", "出力の座標系");
-    all.push((name, done.to.name().to_owned()));
     all
 }
 
@@ -120,7 +138,7 @@ pub fn summary(done: &Done, lang: Lang) -> String {
     for (name, value) in facts(done, lang) {
         let _ = writeln!(text, "  {}{value}", padded(&name, 28));
     }
-    let gaps = &done.fusion.gaps;
+    let gaps = &done.gaps;
     for gap in gaps.iter().take(12) {
         let frame = done.take.frame[gap.first];
         let (deg, mm) = (number(gap.sigma_rad.to_degrees(), 2), number(gap.sigma_m * 1e3, 1));
@@ -155,7 +173,7 @@ pub fn summary(done: &Done, lang: Lang) -> String {
 
 /// The report.
 pub fn page<'a>(done: &'a Done, optical: &str, inertial: &str, lang: Lang) -> Page<'a> {
-    let frames = &done.fusion.frames;
+    let frames = &done.frames;
     let seen = |frame: usize| frames[frame].source == Source::Optical;
     let column = |value: &dyn Fn(usize) -> f64| Column::Owned((0..frames.len()).map(value).collect());
     let series = |name: String, tone, y, sigma| Series {
@@ -168,7 +186,6 @@ pub fn page<'a>(done: &'a Done, optical: &str, inertial: &str, lang: Lang) -> Pa
         period: None,
     };
     let gaps: Vec<(f64, f64)> = done
-        .fusion
         .gaps
         .iter()
         .map(|gap| (done.time_s[gap.first.saturating_sub(1)], done.time_s[gap.end.min(frames.len() - 1)]))
@@ -214,7 +231,7 @@ pub fn page<'a>(done: &'a Done, optical: &str, inertial: &str, lang: Lang) -> Pa
             None,
         ),
     ];
-    let rows = done.fusion.gaps.iter().map(|gap| {
+    let rows = done.gaps.iter().map(|gap| {
         vec![
             done.take.frame[gap.first].to_string(),
             (gap.end - gap.first).to_string(),

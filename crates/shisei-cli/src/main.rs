@@ -9,6 +9,7 @@ mod batch;
 mod calibration;
 mod cmd;
 mod fail;
+mod fuse_inputs;
 mod fuse_report;
 mod input;
 mod lang;

@@ -6,6 +6,8 @@
 //! Frames that the cameras saw keep what they saw. In a gap the smoother's motion is taken, shifted by what it is
 //! off beside the gap's two ends, from the one linearly to the other, so that next to nothing jumps.
 
+pub mod relative;
+
 use alloc::vec::Vec;
 
 use crate::error::{Error, Result};
@@ -161,13 +163,7 @@ pub struct Fusion {
 pub fn fuse(optical: &Optical<'_>, inertial: &Inertial<'_>, settings: &FuseSettings) -> Result<Fusion> {
     same_length(optical.time_s.len(), optical.poses.len())?;
     same_length(inertial.time_s.len(), inertial.acc_m_s2.len())?;
-    for (row, pose) in optical.poses.iter().enumerate() {
-        if let Some(pose) = pose
-            && !(vector::is_finite(pose.position_m) && pose.world_from_body.is_finite())
-        {
-            return Err(Error::NotFinite { row });
-        }
-    }
+    check_poses(optical.poses)?;
     let attitude: Vec<Option<Quaternion>> =
         optical.poses.iter().map(|pose| pose.map(|pose| pose.world_from_body)).collect();
     let sync = synchronise(optical.time_s, &attitude, inertial.time_s, inertial.gyro_rad_s, &settings.rates)?;
@@ -204,6 +200,14 @@ pub fn fuse(optical: &Optical<'_>, inertial: &Inertial<'_>, settings: &FuseSetti
     let motion = Motion { time_s, bridged: &bridged, body: &body };
     let (frames, gaps) = fill(optical, &motion, settings);
     Ok(Fusion { frames, gaps, sync, lever, up: body.up, calibration })
+}
+
+fn check_poses(poses: &[Option<Pose>]) -> Result<()> {
+    let finite = |pose: &Pose| vector::is_finite(pose.position_m) && pose.world_from_body.is_finite();
+    match poses.iter().position(|pose| pose.is_some_and(|pose| !finite(&pose))) {
+        Some(row) => Err(Error::NotFinite { row }),
+        None => Ok(()),
+    }
 }
 
 /// The body and its sensor in the level world of the smoother.
@@ -294,6 +298,20 @@ impl<'a> Seen<'a> {
         }
         let (a, b) = (self.optical.poses[last]?, self.optical.poses[after]?);
         Some(between(&a, &b, (time_s - times[last]) / width))
+    }
+
+    /// The pose of a frame, or between those around it where no more than so much time lies between them.
+    fn across(&self, row: usize, longest_s: f64) -> Option<Pose> {
+        let (times, poses) = (self.optical.time_s, self.optical.poses);
+        if let Some(pose) = poses[row] {
+            return Some(pose);
+        }
+        let near = |k: &usize| (times[*k] - times[row]).abs() <= longest_s;
+        let last = (0..row).rev().take_while(near).find(|&k| poses[k].is_some())?;
+        let next = (row + 1..times.len()).take_while(near).find(|&k| poses[k].is_some())?;
+        let width = times[next] - times[last];
+        let (a, b) = (poses[last]?, poses[next]?);
+        (width <= longest_s).then(|| between(&a, &b, (times[row] - times[last]) / width))
     }
 }
 

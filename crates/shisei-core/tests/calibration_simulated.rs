@@ -6,7 +6,7 @@ mod support;
 
 use shisei_core::calibration::SensorModel;
 use shisei_core::calibration::gyro_turns::{self, TurnSettings};
-use shisei_core::calibration::known_turns::{self, TurnAngle};
+use shisei_core::calibration::known_turns::{self, Part, Parts, TurnAngle};
 use shisei_core::calibration::multi_pose::{self, PARAMETERS, Pose, SigmaSource};
 use shisei_core::calibration::recording::find_parts;
 use shisei_core::calibration::still::{StillSegment, StillSettings, still_segments};
@@ -225,4 +225,64 @@ fn known_turns_are_found_without_labels() {
     // without one of the turns it is refused
     let some: Vec<StillSegment> = segments.iter().copied().filter(|s| s.acc_mean[2] < 1000.0).collect();
     assert!(find_parts(&acc, &gyro, &some).is_err());
+}
+
+#[test]
+fn known_turns_state_their_errors_rightly() {
+    let mut random = Random(33);
+    let acc_truth = SensorModel {
+        bias: [20.0, -50.0, 30.0],
+        matrix: [[1.01, 0.01, -0.02], [0.02, 0.98, 0.01], [0.0, 0.01, 1.0]]
+            .map(|r| r.map(|v| v * G / 2048.0)),
+    };
+    let scale = core::f64::consts::PI / 180.0 / 16.4;
+    let gyro_truth = SensorModel {
+        bias: [5.0, -8.0, 3.0],
+        matrix: [[1.02, 0.01, 0.0], [-0.01, 0.99, 0.02], [0.01, 0.0, 1.01]].map(|r| r.map(|v| v * scale)),
+    };
+    let (mut acc_inside, mut gyro_inside, mut total) = (0.0, 0.0, 0.0);
+    for _ in 0..80 {
+        // nine parts: axis up, axis down, a turn of 360° about the axis pointing up
+        let mut parts: Vec<(Vec<Vec3>, Vec<Vec3>)> = Vec::new();
+        for kind in 0..3 {
+            for axis in 0..3 {
+                let mut up = [0.0; 3];
+                up[axis] = if kind == 1 { -G } else { G };
+                let rows = if kind == 2 { 150 } else { 60 + 30 * axis };
+                let (mut acc, mut gyro) = (Vec::new(), Vec::new());
+                for k in 0..rows {
+                    let mut rate = [0.0; 3];
+                    if kind == 2 {
+                        let phase = core::f64::consts::TAU * (k as f64 + 0.5) / 150.0;
+                        rate[axis] = core::f64::consts::TAU / 1.5 * (1.0 - phase.cos());
+                    }
+                    let (x, y) = (acc_truth.unapply(up).unwrap(), gyro_truth.unapply(rate).unwrap());
+                    let (n, m) = (random.normal3(5.0), random.normal3(4.0));
+                    acc.push([x[0] + n[0], x[1] + n[1], x[2] + n[2]]);
+                    gyro.push([y[0] + m[0], y[1] + m[1], y[2] + m[2]]);
+                }
+                parts.push((acc, gyro));
+            }
+        }
+        let part = |k: usize| Part { acc: &parts[k].0, gyro: &parts[k].1 };
+        let parts = Parts {
+            up: [part(0), part(1), part(2)],
+            down: [part(3), part(4), part(5)],
+            turn: [part(6), part(7), part(8)],
+        };
+        let angle = TurnAngle::Signed(core::f64::consts::TAU);
+        let found = known_turns::calibrate(&parts, 0.01, angle, G).unwrap();
+        for i in 0..3 {
+            for j in 0..3 {
+                total += 1.0;
+                let error = found.gyroscope.matrix[i][j] - gyro_truth.matrix[i][j];
+                gyro_inside += f64::from(error.abs() < found.gyro_matrix_sigma[i][j]);
+                let error = found.accelerometer.matrix[i][j] - acc_truth.matrix[i][j];
+                acc_inside += f64::from(error.abs() < found.acc_matrix_sigma[i][j]);
+            }
+        }
+    }
+    let (acc, gyro) = (acc_inside / total, gyro_inside / total);
+    println!("known turns: gyroscope {:.1} %, accelerometer {:.1} % of {total}", 100.0 * gyro, 100.0 * acc);
+    assert!((0.60..0.76).contains(&gyro) && (0.60..0.76).contains(&acc), "{gyro} {acc}");
 }

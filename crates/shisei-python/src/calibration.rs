@@ -7,8 +7,9 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shisei_core::Vec3;
 use shisei_core::calibration::gyro_turns::{self, TurnSettings};
-use shisei_core::calibration::recording::calibrate_poses;
-use shisei_core::calibration::still::StillSegment;
+use shisei_core::calibration::known_turns::{self as turns, Part, Parts, TurnAngle};
+use shisei_core::calibration::recording::{calibrate_poses, find_parts};
+use shisei_core::calibration::still::{StillSegment, StillSettings, still_segments};
 use shisei_core::calibration::{FaceTable, SensorModel, SixFaceSettings, search_faces, solve};
 
 /// Finds the faces, then solves; `faces` is there also when the solution is not (`error` says why then).
@@ -140,5 +141,50 @@ pub fn multi_pose<'py>(
         result.set_item("gyro_bias_rad_s", [mean(0), mean(1), mean(2)])?;
         result.set_item("gyro_matrix", SensorModel::IDENTITY.matrix)?;
     }
+    Ok(result)
+}
+
+/// Both sensors from six faces and three known turns. `parts` are (start, end) rows in the order up x y z, down x y
+/// z, turn x y z; without them they are found.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // what PyO3 extracts; keywords in the package
+pub fn known_turns<'py>(
+    py: Python<'py>,
+    acc: PyReadonlyArray2<'py, f64>,
+    gyro: PyReadonlyArray2<'py, f64>,
+    dt_s: f64,
+    turn_rad: f64,
+    signed: bool,
+    gravity_m_s2: f64,
+    parts: Option<[(usize, usize); 9]>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let (acc, gyro) = (rows::<3>(&acc, "acc")?, rows::<3>(&gyro, "gyro")?);
+    let angle = if signed { TurnAngle::Signed(turn_rad) } else { TurnAngle::Size(turn_rad) };
+    let found = py.detach(|| {
+        let part = |(start, end): (usize, usize)| Part {
+            acc: acc.get(start..end).unwrap_or(&[]),
+            gyro: gyro.get(start..end).unwrap_or(&[]),
+        };
+        let parts = match parts {
+            Some(p) => Parts {
+                up: [part(p[0]), part(p[1]), part(p[2])],
+                down: [part(p[3]), part(p[4]), part(p[5])],
+                turn: [part(p[6]), part(p[7]), part(p[8])],
+            },
+            None => find_parts(acc, gyro, &still_segments(acc, gyro, dt_s, &StillSettings::default())?)?,
+        };
+        turns::calibrate(&parts, dt_s, angle, gravity_m_s2)
+    });
+    let found = found.map_err(|error: shisei_core::Error| exception("known_turns", error))?;
+    let result = PyDict::new(py);
+    result.set_item("acc_bias", found.accelerometer.bias)?;
+    result.set_item("acc_matrix", found.accelerometer.matrix)?;
+    result.set_item("gyro_bias", found.gyroscope.bias)?;
+    result.set_item("gyro_matrix", found.gyroscope.matrix)?;
+    result.set_item("acc_bias_sigma", found.acc_bias_sigma)?;
+    result.set_item("acc_matrix_sigma", found.acc_matrix_sigma)?;
+    result.set_item("gyro_bias_sigma", found.gyro_bias_sigma)?;
+    result.set_item("gyro_matrix_sigma", found.gyro_matrix_sigma)?;
+    result.set_item("gyro_per_acceleration", found.gyro_per_acceleration)?;
     Ok(result)
 }

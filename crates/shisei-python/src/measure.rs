@@ -6,9 +6,11 @@ use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shisei_core::allan::{self, Coefficient, Point};
+use shisei_core::earth::Weights;
 use shisei_core::earth::analysis::{Believed, analyse};
-use shisei_core::earth::direction::Direction;
+use shisei_core::earth::direction::{Direction, summarise};
 use shisei_core::earth::fits::Measured;
+use shisei_core::filter::Dt;
 use shisei_core::motion::foot::{self, FootSettings};
 use shisei_core::motion::navigation::{NavigationSettings, Phase, Track};
 use shisei_core::motion::rest_to_rest::{self, RestToRestSettings};
@@ -91,8 +93,6 @@ pub fn earth_rate<'py>(
     };
     let directions: Vec<Direction> = gyro.iter().enumerate().map(direction).collect();
     let found = py.detach(|| analyse(&directions, latitude_rad)).map_err(refuse)?;
-    // directions that fill space have no level of their own: a sphere alone says nothing of horizontal parts
-    let level = found.believed != Believed::Sphere;
     let pair = |m: Option<Measured>| m.map(|m| (m.value, m.sigma));
     let result = PyDict::new(py);
     let fit = match found.believed {
@@ -102,15 +102,55 @@ pub fn earth_rate<'py>(
     };
     result.set_item("fit", fit)?;
     result.set_item("rate_rad_s", pair(found.rate))?;
-    result.set_item("horizontal_rad_s", pair(found.horizontal.filter(|_| level)))?;
-    result.set_item("latitude_rad", pair(found.latitude.filter(|_| level || latitude_rad.is_some())))?;
+    result.set_item("horizontal_rad_s", pair(found.horizontal))?;
+    result.set_item("latitude_rad", pair(found.latitude))?;
     result.set_item("sidereal_day_h", pair(found.day_h))?;
     result.set_item("gyro_bias_rad_s", found.bias_rad_s)?;
-    let headings = found.headings.iter().map(|h| [h.heading_rad.value, h.heading_rad.sigma]).collect();
-    result.set_item("heading_rad", if level { Some(table::<2>(py, headings)?) } else { None })?;
+    let headings: Vec<_> =
+        found.headings.iter().map(|h| [h.heading_rad.value, h.heading_rad.sigma]).collect();
+    result
+        .set_item("heading_rad", if headings.is_empty() { None } else { Some(table::<2>(py, headings)?) })?;
     result.set_item("flat", found.plane.flat)?;
     result.set_item("condition", found.plane.condition)?;
     result.set_item("flat_probability", found.plane.probability)?;
+    Ok(result)
+}
+
+/// Mean rate and acceleration of one recording at rest.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn mean_rate<'py>(
+    py: Python<'py>,
+    gyro_rad_s: PyReadonlyArray2<'py, f64>,
+    acc_m_s2: Option<PyReadonlyArray2<'py, f64>>,
+    dt_s: Step<'py>,
+    as_measured: bool,
+) -> PyResult<Bound<'py, PyDict>> {
+    let refuse = |error| exception("mean_rate", error);
+    let gyro = rows::<3>(&gyro_rad_s, "gyro_rad_s")?;
+    let acc = acc_m_s2.as_ref().map(|a| rows::<3>(a, "acc_m_s2")).transpose()?.unwrap_or(&[]);
+    if acc_m_s2.is_some() && acc.len() != gyro.len() {
+        return Err(refuse(Error::LengthMismatch { first: gyro.len(), second: acc.len() }));
+    }
+    if let Some(row) = acc.iter().position(|a| a.iter().any(|x| !x.is_finite())) {
+        return Err(refuse(Error::NotFinite { row }));
+    }
+    let steps;
+    let dt = match dt_s.dt()? {
+        Dt::PerSample(dt) => dt,
+        Dt::Constant(dt) => {
+            steps = vec![dt; gyro.len()];
+            &steps
+        }
+    };
+    let weights = if as_measured { Weights::AsMeasured } else { Weights::Capped };
+    let found = py.detach(|| summarise(gyro, acc, &[], dt, weights)).map_err(refuse)?;
+    let result = PyDict::new(py);
+    result.set_item("gyro_rad_s", found.direction.gyro_rad_s)?;
+    result.set_item("sigma_rad_s", found.direction.sigma_rad_s)?;
+    result.set_item("acc_m_s2", found.direction.acc_m_s2)?;
+    result.set_item("span_s", found.mean.span_s)?;
+    result.set_item("long_steps", found.mean.long_steps)?;
     Ok(result)
 }
 

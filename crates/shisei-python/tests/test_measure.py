@@ -200,3 +200,65 @@ def test_many_poses_and_the_turns_between_them(tmp_path):
         shisei.multi_pose(acc_m_s2=acc[:600], gyro_rad_s=gyro, rate_hz=100)
     with pytest.raises(shisei.DomainError):
         shisei.multi_pose(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100, gravity_m_s2=-1)
+
+
+def faces_and_turns(rate_hz=100, seed=5):
+    """Six faces of 2 s, a turn of 360° in 3 s about each axis that points up, in counts, and the rows of each part."""
+    rng = np.random.default_rng(seed)
+    acc_matrix = np.array([[1.01, 0.01, -0.02], [0.02, 0.98, 0.01], [0, 0.01, 1.0]]) * G / 2048
+    gyro_matrix = np.array([[1.02, 0.01, 0], [-0.01, 0.99, 0.02], [0.01, 0, 1.01]]) * math.radians(1 / 16.4)
+    acc, gyro, parts, row = [], [], {}, 0
+    for name in ("+x", "-x", "+y", "-y", "+z", "-z", "turn x", "turn y", "turn z"):
+        axis = "xyz".index(name[-1])
+        n = 300 if name.startswith("turn") else 200
+        a, w = np.zeros((n, 3)), np.zeros((n, 3))
+        a[:, axis] = -G if name.startswith("-") else G
+        if name.startswith("turn"):
+            w[:, axis] = 2 * np.pi / 3 * (1 - np.cos(2 * np.pi * (np.arange(n) + 0.5) / n))
+        acc.append(a @ np.linalg.inv(acc_matrix).T + [20, -50, 30] + rng.normal(0, 3, a.shape))
+        gyro.append(w @ np.linalg.inv(gyro_matrix).T + [5, -8, 3] + rng.normal(0, 1, w.shape))
+        parts[name], row = (row, row + n), row + n
+    return np.vstack(acc), np.vstack(gyro), parts, acc_matrix, gyro_matrix
+
+
+def test_known_turns_find_both_matrices():
+    acc, gyro, parts, acc_matrix, gyro_matrix = faces_and_turns()
+    found = shisei.known_turns(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100, parts=parts)
+    for got, sigma, truth in ((found.calibration.acc_matrix, found.acc_matrix_sigma, acc_matrix),
+                              (found.calibration.gyro_matrix, found.gyro_matrix_sigma, gyro_matrix)):
+        assert sigma.shape == (3, 3) and (sigma > 0).all() and (sigma < 0.002 * truth[0, 0]).all()
+        assert (np.abs(np.array(got) - truth) < 4 * sigma).all()
+    np.testing.assert_allclose(found.calibration.gyro_bias_rad_s, [5, -8, 3], atol=0.2)
+    back = shisei.known_turns(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100, parts=parts, turn_rad=-2 * np.pi, signed=True)
+    np.testing.assert_allclose(back.calibration.gyro_matrix, -np.array(found.calibration.gyro_matrix), rtol=1e-12)
+    for bad, error in (({"parts": {**parts, "turn x": parts["turn y"]}}, shisei.ConditionError),
+                       ({"parts": {"+x": (0, 9)}}, shisei.ShapeError),
+                       ({"parts": {**parts, "+x": (5, 10**9)}}, shisei.ShapeError),
+                       ({"turn_rad": 0.0, "parts": parts}, shisei.DomainError)):
+        with pytest.raises(error):
+            shisei.known_turns(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100, **bad)
+    with pytest.raises(shisei.ShapeError):
+        shisei.known_turns(acc_m_s2=acc[:-1], gyro_rad_s=gyro, rate_hz=100)
+
+
+def test_the_mean_of_a_recording_at_rest():
+    rng = np.random.default_rng(8)
+    gyro = rng.normal([1e-3, -2e-3, 5e-4], 2e-3, (6000, 3))
+    found = shisei.mean_rate(gyro_rad_s=gyro, acc_m_s2=np.tile([0, 0, G], (6000, 1)), rate_hz=100)
+    np.testing.assert_allclose(found.gyro_rad_s, gyro.mean(0), rtol=1e-9)
+    np.testing.assert_allclose(found.sigma_rad_s, 2e-3 / math.sqrt(6000), rtol=0.6)
+    np.testing.assert_allclose(found.acc_m_s2, [0, 0, G], rtol=1e-12)
+    assert abs(found.span_s - 60) < 0.02 and found.long_steps == 0
+    # a gap of 1 s gives its one sample no weight, unless asked
+    time = np.arange(100) / 100
+    time[50:] += 1.0
+    rates = np.zeros((100, 3))
+    rates[50] = 1.0
+    assert shisei.mean_rate(gyro_rad_s=rates, time_s=time).gyro_rad_s[0] < 0.02
+    whole = shisei.mean_rate(gyro_rad_s=rates, time_s=time, weights="as-measured")
+    assert whole.gyro_rad_s[0] > 0.4 and whole.long_steps == 1 and whole.acc_m_s2 is None
+    for bad, error in (({"gyro_rad_s": gyro * np.nan}, shisei.DomainError),
+                       ({"gyro_rad_s": gyro, "acc_m_s2": gyro[:5]}, shisei.ShapeError),
+                       ({"gyro_rad_s": gyro[:0]}, (shisei.ShapeError, shisei.ConditionError))):
+        with pytest.raises(error):
+            shisei.mean_rate(rate_hz=100, **bad)

@@ -229,4 +229,26 @@ mod tests {
             all.push(&noise);
         }
     }
+
+    #[test]
+    fn streams_written_by_another_program_are_read() {
+        // made with Python's struct and binascii.crc_hqx; they are also what fuzzing starts from
+        let read = |bytes: &[u8]| {
+            let mut splitter = Splitter::default();
+            (splitter.push(bytes), splitter.damaged)
+        };
+        let (samples, damaged) = read(include_bytes!("../../../fuzz/seeds/spresense_stream/samples"));
+        assert_eq!((samples.len(), damaged), (13, 0));
+        let Frame::Sample { sequence: 11, ticks, gyro_rad_s, .. } = samples[11] else {
+            panic!("{samples:?}")
+        };
+        assert_eq!((ticks, gyro_rad_s[0]), (42_704, f64::from(11.0e-4_f32)));
+        assert_eq!(samples[12], Frame::Status { sequence: 12, dropped: 7, missed: 2 });
+        let (blocks, damaged) = read(include_bytes!("../../../fuzz/seeds/spresense_stream/blocks"));
+        assert_eq!((blocks.len(), damaged), (5, 0));
+        assert!(matches!(blocks[3], Frame::Block { sequence: 0, readings: 256, .. }));
+        let (left, damaged) = read(include_bytes!("../../../fuzz/seeds/spresense_stream/damaged"));
+        assert_eq!(left.len(), 2);
+        assert!(damaged >= 3, "{damaged}");
+    }
 }

@@ -317,3 +317,37 @@ fn the_real_sample_reads_right_and_writes_back() {
     assert_eq!(take.marker_m(marker("Unlabeled:106"), 0), None);
     check_round_trip(&take);
 }
+
+#[test]
+fn camera_pulses_give_the_samples_their_frames() {
+    use shisei_record::motive::read_pulses;
+    let take = "Format Version,1.24,Export Frame Rate,100,Total Frames in Take,5\n\n,Type\n,Name\n,ID\n\nFrame,Time\n0,0\n4,0.04\n";
+    let take = shisei_record::motive::read(&Input { name: "take", bytes: take.as_bytes() }).expect("a take");
+    let pulses = |text: &str| read_pulses(&Input { name: "pulses", bytes: text.as_bytes() });
+    // 100 Hz by the cameras' clock; the sensor's runs 1 % fast and began 2 s before
+    let all =
+        pulses("time_s\n# middle of the exposure\n2.0\n2.0101\n2.0202\n\n2.0303\n2.0404\n").expect("five");
+    assert_eq!(all, [2.0, 2.0101, 2.0202, 2.0303, 2.0404]);
+    let times = take.pulses_s(&all, &[1.9, 2.0, 2.00505, 2.0404, 2.05]).expect("as many as frames");
+    assert!(times[0].is_nan() && times[4].is_nan());
+    for (found, expected) in times[1..4].iter().zip([0.0, 0.005, 0.04]) {
+        assert!((found - expected).abs() < 1e-12, "{times:?}");
+    }
+    let refused = |pulses: &[f64]| take.pulses_s(pulses, &[2.0]).expect_err("refused").to_string();
+    assert!(refused(&all[..4]).contains("4 pulses and the take has 5 frames"));
+    let missing = [2.0, 2.0101, 2.0303, 2.0404, 2.0505];
+    assert!(refused(&missing).contains("pulse 3 comes 20.200 ms") && refused(&missing).contains("missing"));
+    assert!(refused(&[2.0, 2.0101, 2.012, 2.0202, 2.0303]).contains("one too many"));
+    assert!(refused(&[2.0]).contains("too few"));
+    for (text, word) in [
+        ("", "empty"),
+        ("1\n", "too few"),
+        ("1\nx\n", "\"x\" is not a number"),
+        ("2\n1\n", "not later"),
+        ("a\nb\n", "not a number"),
+    ] {
+        let error = pulses(text).expect_err(text).to_string();
+        assert!(error.contains(word), "{error}");
+    }
+    assert!(pulses("1\nnan\n").is_err() && pulses("1\ninf\n").is_err());
+}

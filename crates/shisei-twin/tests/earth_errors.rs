@@ -3,7 +3,7 @@
 use shisei_core::earth::Weights;
 use shisei_core::earth::analysis::{Analysis, Believed, EARTH_RATE_RAD_S, analyse};
 use shisei_core::earth::direction::{Direction, summarise};
-use shisei_core::{Quaternion, Vec3, Ypr};
+use shisei_core::{Quaternion, Vec3, Ypr, math};
 use shisei_twin::{Calibration, Correction, Errors, Path, Random, Sensor, Settings, World, simulate};
 
 const DEG: f64 = core::f64::consts::PI / 180.0;
@@ -117,8 +117,42 @@ fn a_sphere_without_an_accelerometer() {
     .to_vec();
     let share = share(&poses, false, None, |a| {
         assert_eq!(a.believed, Believed::Sphere);
+        // nothing says where up was: no horizontal part, no latitude, no headings
+        assert!(a.horizontal.is_none() && a.latitude.is_none() && a.headings.is_empty());
         rate_inside(a)
     });
     println!("sphere: {share:.0} %");
     assert!((60.0..=76.0).contains(&share), "{share}");
+}
+
+/// Directions on a cone: nearly level, so that a circle through them looks good, but their plane is not level.
+/// Without accelerations nothing may be taken for horizontal unless they lie in one plane.
+#[test]
+fn a_circle_counts_as_level_only_where_it_can_be() {
+    let spread: Vec<Quaternion> =
+        (0..8).map(|k| ypr(45.0 * f64::from(k), 70.0 * f64::from(k % 2), 60.0 * f64::from(k % 3))).collect();
+    let of = |poses: &[Quaternion], acc: bool| -> Vec<Direction> {
+        let all = poses
+            .iter()
+            .enumerate()
+            .map(|(i, q)| measure(*q, [0.001, -0.002, 0.0005], 7919 * (i as u64 + 1)));
+        all.map(|d| Direction { acc_m_s2: d.acc_m_s2.filter(|_| acc), ..d }).collect()
+    };
+    let blind = analyse(&of(&spread, false), Some(LATITUDE)).unwrap();
+    assert!(!blind.plane.flat);
+    assert!(!matches!(blind.believed, Believed::CircleWithLatitude), "{:?}", blind.believed);
+    assert!(blind.horizontal.is_none() && blind.headings.is_empty() && blind.headings_known.is_none());
+    assert_eq!(blind.latitude.unwrap().value, LATITUDE); // as given
+    let seeing = analyse(&of(&spread, true), None).unwrap();
+    assert_eq!(seeing.believed, Believed::LevelledFree);
+    assert!(seeing.horizontal.is_some() && seeing.headings.len() == 8);
+    // on a turntable the plane stands for the level one, with or without accelerations
+    let level: Vec<Quaternion> = (0..8).map(|k| ypr(45.0 * f64::from(k), 0.0, 0.0)).collect();
+    for acc in [false, true] {
+        let found = analyse(&of(&level, acc), None).unwrap();
+        let horizontal = found.horizontal.unwrap();
+        let truth = EARTH_RATE_RAD_S * math::cos(LATITUDE);
+        assert!((horizontal.value - truth).abs() < 4.0 * horizontal.sigma, "{horizontal:?}");
+        assert_eq!(found.headings.len(), 8);
+    }
 }

@@ -342,8 +342,8 @@ fn known(args: &Calibrate, recording: &Recording, degrees: f64, lang: Lang) -> R
     let calibration = Calibration { accelerometer: result.accelerometer, gyroscope: result.gyroscope };
     let mut file = new_file(args, calibration, "gyro-turns", recording);
     file.set_sigma(&Calibration {
-        accelerometer: SensorModel { bias: result.acc_bias_sigma, matrix: [[0.0; 3]; 3] },
-        gyroscope: SensorModel { bias: result.gyro_bias_sigma, matrix: [[0.0; 3]; 3] },
+        accelerometer: SensorModel { bias: result.acc_bias_sigma, matrix: result.acc_matrix_sigma },
+        gyroscope: SensorModel { bias: result.gyro_bias_sigma, matrix: result.gyro_matrix_sigma },
     });
     file.set(
         "checks",
@@ -369,6 +369,11 @@ fn known(args: &Calibrate, recording: &Recording, degrees: f64, lang: Lang) -> R
             "{}: {}",
             say(lang, "gyroscope matrix", "ジャイロの行列"),
             matrix_text(&result.gyroscope.matrix)
+        ),
+        format!(
+            "{}: {}",
+            say(lang, "its standard errors, placement apart", "その標準誤差 (置き方の誤差を除く)"),
+            matrix_text(&result.gyro_matrix_sigma)
         ),
     ];
     let warnings = vec![say(

@@ -244,11 +244,11 @@ fn document(found: &Found) -> serde_json::Value {
             "opposite_sense_probability": h.sense_probability,
         })),
         "bias_rad_s": a.bias_rad_s,
-        "directions": found.names.iter().zip(&found.directions).zip(&a.headings).map(|((n, d), h)| json!({
+        "directions": found.names.iter().zip(&found.directions).enumerate().map(|(k, (n, d))| json!({
             "name": n,
             "mean_rad_s": d.gyro_rad_s,
             "sigma_rad_s": d.sigma_rad_s,
-            "heading_deg": measured(Some(h.heading_rad), degree),
+            "heading_deg": measured(a.headings.get(k).map(|h| h.heading_rad), degree),
         })).collect::<Vec<_>>(),
         "drift_per_s": found.drift.map(|d| json!({ "value": d.per_s, "sigma": d.per_s_sigma })),
         "drift_per_c": found.drift.and_then(|d| d.per_c).map(|c| json!({ "value": c.0, "sigma": c.1 })),

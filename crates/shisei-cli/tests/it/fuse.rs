@@ -164,6 +164,35 @@ fn the_receivers_sequence_is_used_and_checked() {
         assert_eq!(ran.code, 1, "{name}: {}", ran.stderr);
         assert!(ran.stderr.contains(word) && ran.stderr.contains("--sync rates"), "{}", ran.stderr);
     }
+    // the same checks stand behind a file of pulses
+    let pulses = |count: i32, skip: i32| -> String {
+        let times = (0..count).filter(|k| *k != skip).map(|k| format!("{:.6}\n", 2.3 + f64::from(k) / 120.0));
+        std::iter::once("pulse_s\n".to_owned()).chain(times).collect()
+    };
+    let fuse_by = |file: &str, more: &[&str]| {
+        let mut words = vec!["fuse", "take.csv", "imu.csv", "--no-report", "-o", "a.csv", "--pulses", file];
+        words.extend(more);
+        desk.run(&words)
+    };
+    for (name, text, word) in [
+        ("few.csv", pulses(3000, -1), "3000 pulses and the take has 3841 frames"),
+        ("missing.csv", pulses(3842, 1700), "pulses are missing"),
+    ] {
+        desk.put(name, text);
+        let ran = fuse_by(name, &["--sync", "pulse-file"]);
+        assert_eq!(ran.code, 1, "{name}: {}", ran.stderr);
+        assert!(ran.stderr.contains(word), "{}", ran.stderr);
+    }
+    // as many as there are frames, but two frames late: the rotation tells
+    let late: String = (2..3843).map(|k| format!("{:.6}\n", 2.3 + f64::from(k) / 120.0)).collect();
+    desk.put("late-pulses.csv", late);
+    let ran = fuse_by("late-pulses.csv", &["--sync", "pulse-file"]);
+    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert!(ran.stderr.contains("off by"), "{}", ran.stderr);
+    desk.put("pulses.csv", pulses(3841, -1));
+    let ran = fuse_by("pulses.csv", &["--sync", "pulse-file"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert_eq!(fuse_by("pulses.csv", &[]).code, 2);
     desk.put("none.csv", imu(&simulation, gate).replace("frame", "other"));
     let ran = fuse("none.csv");
     assert_eq!(ran.code, 2);
@@ -188,4 +217,67 @@ fn what_does_not_belong_together_is_refused_and_leaves_nothing() {
     let ran = desk.run(&["fuse", "take.csv", "imu.csv", "-o", "a.xyz"]);
     assert_eq!(ran.code, 2);
     assert_eq!(desk.names(), before);
+}
+
+#[test]
+fn a_tool_in_a_hand_is_placed_by_its_sensor() {
+    // the hand is filmed as a bone; what turns is the tool, which no camera sees
+    let (hand, tool) = (movements::wander(8, 3.0, 20.0), movements::wander(9, 3.0, 20.0));
+    let rig = Rig { body_from_sensor: Quaternion::IDENTITY, sensor_m: [0.0; 3], markers_m: Vec::new() };
+    let frames = film(&hand, &rig, &Cameras::new(120.0, 20.0, 8));
+    let settings = Settings { errors: Errors::DrawnAligned, ..Settings::new(200.0, 9) };
+    let simulation = simulate(&tool, &Sensor::lsm6ds3tr_c(), &settings);
+    let desk = Desk::new();
+    let body = Body { name: "Anna:RHand", bone: true, parent: "Anna:RArm", frames: &frames, markers: false };
+    desk.put("take.csv", csv(&[body], 120.0, &Style::default()));
+    let gate = |time_s: f64| if time_s <= 20.0 { time_s * 120.0 } else { f64::NAN };
+    desk.put("imu.csv", imu(&simulation, gate).replace("NaN", ""));
+    let words = ["fuse", "take.csv", "imu.csv", "--mode", "relative", "--parent", "anna:rhand", "--json"];
+    let with = |more: &[&str]| {
+        let mut all = words.to_vec();
+        all.extend(more);
+        desk.run(&all)
+    };
+    let ran = with(&[
+        "--sync",
+        "sequence",
+        "--grip",
+        "-0.05,0.02,0.1,90,0,0",
+        "--reference",
+        "240",
+        "-o",
+        "tool.csv",
+    ]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let json: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one object");
+    assert_eq!((json["parent"].as_str(), json["reference_frame"].as_i64()), (Some("Anna:RHand"), Some(240)));
+    assert_eq!(json["inertial"].as_u64(), Some(frames.len() as u64));
+    let text = desk.text("tool.csv");
+    let to = Axes::ZUp.to(Axes::YUp);
+    for (line, frame) in text.lines().skip(1).zip(&frames) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let number = |k: usize| cells[k].parse::<f64>().expect("a number");
+        let truth = to.world_of_pose(frame.truth).expect("right-handed");
+        let place = vector::add(truth.position_m, truth.world_from_body.rotate([-0.05, 0.02, 0.1]));
+        assert!(vector::norm(vector::sub([2, 3, 4].map(number), place)) < 2e-3, "{line}");
+        if frame.number == 240 {
+            // turned by 90° about the hand's z
+            let q = Quaternion::new(number(5), number(6), number(7), number(8));
+            let turned = truth.world_from_body.conjugate().product(q).to_rotation_vector();
+            assert!((turned[2].to_degrees() - 90.0).abs() < 0.2 && turned[0].abs() < 0.005, "{turned:?}");
+        }
+    }
+    for (more, word) in [
+        (vec!["--sync", "rates"], "--sync sequence"),
+        (vec!["--sync", "sequence", "--grip", "1,2"], "YAW"),
+        (vec!["--sync", "sequence", "--reference", "99999"], "no frame 99999"),
+        (vec!["--sync", "pulse-file"], "--pulses"),
+        (vec!["--sync", "sequence", "--motive", "a.csv"], "--motive"),
+    ] {
+        let ran = with(&more);
+        assert_eq!(ran.code, 2, "{more:?}: {}", ran.stderr);
+        assert!(ran.stderr.contains(word), "{}", ran.stderr);
+    }
+    let ran = desk.run(&["fuse", "take.csv", "imu.csv", "--parent", "Anna:RHand"]);
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
 }

@@ -89,7 +89,8 @@ pub struct Analysis {
     pub believed: Believed,
     /// Ω of the believed fit, rad/s; none when only Ω cos φ is known.
     pub rate: Option<Measured>,
-    /// Ω cos φ, rad/s, where known.
+    /// Ω cos φ, rad/s, where known: from a levelled fit, or from the circle where its plane is level (by the
+    /// accelerations; without these where the directions lie in one plane).
     pub horizontal: Option<Measured>,
     /// The latitude: found, or from Ω cos φ with the Earth's rate taken as known, rad; north and south look
     /// alike in the latter.
@@ -98,9 +99,10 @@ pub struct Analysis {
     pub day_h: Option<Measured>,
     /// The gyroscope's bias, rad/s.
     pub bias_rad_s: Vec3,
-    /// Heading of every direction.
+    /// Heading of every direction; empty where up is unknown.
     pub headings: Vec<Heading>,
-    /// Unit vector up used for every direction.
+    /// Unit vector up used for every direction: the acceleration's, else the normal of the plane they lie in;
+    /// empty where they have no accelerations and fill space.
     pub up_body: Vec<Vec3>,
 }
 
@@ -165,12 +167,14 @@ pub fn analyse(directions: &[Direction], latitude_rad: Option<f64>) -> Result<An
     let plane = plane_test(directions, &circle, article.as_ref());
     let sphere = fit_sphere(directions).map_err(doubt);
     let known_ups = ups(directions);
-    // where the circle's plane stands for the level one, up is its normal with a positive largest component
-    let up_body = known_ups.clone().unwrap_or_else(|| alloc::vec![plane.normal; directions.len()]);
-    let up_sum = up_body.iter().fold([0.0; 3], |a, u| vector::add(a, *u));
-    let one_side = vector::norm(up_sum) > 0.97 * directions.len() as f64;
-    let level_normal =
-        if one_side { vector::scale(up_sum, 1.0 / vector::norm(up_sum)) } else { plane.normal };
+    let common_up = known_ups.as_deref().and_then(common_up);
+    let level_normal = common_up.unwrap_or(plane.normal);
+    // without accelerations only directions in one plane can stand for level ones: a turntable's
+    let level = if known_ups.is_some() { common_up.is_some() } else { plane.flat };
+    let up_body = known_ups
+        .clone()
+        .or_else(|| level.then(|| alloc::vec![plane.normal; directions.len()]))
+        .unwrap_or_default();
     let level_circle = fit_circle(directions, level_normal)?;
     let (levelled, levelled_free) = if known_ups.is_some() {
         (
@@ -181,7 +185,7 @@ pub fn analyse(directions: &[Direction], latitude_rad: Option<f64>) -> Result<An
     } else {
         (Err(Doubt::NoAcceleration), Err(Doubt::NoAcceleration))
     };
-    let headings_known = (one_side && directions.iter().all(|d| d.heading_rad.is_some()))
+    let headings_known = (level && directions.iter().all(|d| d.heading_rad.is_some()))
         .then(|| fit_headings(directions, level_normal).ok())
         .flatten();
 
@@ -202,14 +206,19 @@ pub fn analyse(directions: &[Direction], latitude_rad: Option<f64>) -> Result<An
     if let (Ok(fit), false) = (&sphere, plane.flat) {
         consider(Believed::Sphere, fit.rate, fit);
     }
-    if let (Some(latitude), true) = (latitude_rad, one_side || plane.flat) {
+    if let (Some(latitude), true) = (latitude_rad, level) {
         let cos = math::cos(latitude);
         let rate = level_circle.horizontal.map(|h| Measured { value: h.value / cos, sigma: h.sigma / cos });
         consider(Believed::CircleWithLatitude, rate, &level_circle);
     }
     let (believed, rate, fit) =
         best.map_or((Believed::Circle, None, level_circle.clone()), |b| (b.0, Some(b.1), b.2));
-    let horizontal = fit.horizontal.or(if plane.flat || one_side { level_circle.horizontal } else { None });
+    let horizontal = if level {
+        fit.horizontal.or(level_circle.horizontal)
+    } else {
+        // of a circle in a plane that need not be level it says nothing
+        fit.horizontal.filter(|_| matches!(believed, Believed::LevelledWithLatitude | Believed::LevelledFree))
+    };
     let latitude = latitude_rad
         .map(|value| Measured { value, sigma: 0.0 })
         .or(fit.latitude)
@@ -233,6 +242,13 @@ pub fn analyse(directions: &[Direction], latitude_rad: Option<f64>) -> Result<An
         headings,
         up_body,
     })
+}
+
+/// The direction that was up in all directions to within about 14°; none where the sensor was also laid otherwise.
+fn common_up(ups: &[Vec3]) -> Option<Vec3> {
+    let sum = ups.iter().fold([0.0; 3], |a, u| vector::add(a, *u));
+    let length = vector::norm(sum);
+    (length > 0.97 * ups.len() as f64).then(|| vector::scale(sum, 1.0 / length))
 }
 
 /// Directions that do not differ by more than their noise determine nothing.

@@ -142,3 +142,23 @@ pub fn foot(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt: Dt<'_>, settings: &FootS
     }
     Ok(track)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Error;
+
+    #[test]
+    fn lengths_that_disagree_are_refused_before_the_rests_are_looked_for() {
+        let rows = [[0.0, 0.0, 9.81]; 300];
+        let settings = FootSettings::default();
+        let steps = [0.01; 300];
+        let refused = |acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>| foot(acc, gyro, dt, &settings).unwrap_err();
+        let lengths = |first, second| Error::LengthMismatch { first, second };
+        assert_eq!(refused(&rows, &rows[..7], Dt::Constant(0.01)), lengths(300, 7));
+        assert_eq!(refused(&rows[..7], &rows, Dt::PerSample(&steps)), lengths(7, 300));
+        assert_eq!(refused(&rows, &rows, Dt::PerSample(&steps[..299])), lengths(300, 299));
+        assert_eq!(refused(&rows, &rows, Dt::PerSample(&[])), lengths(300, 0));
+        assert!(matches!(refused(&[], &[], Dt::Constant(0.01)), Error::NoRest { .. }));
+    }
+}

@@ -52,16 +52,16 @@ pub fn apply(digest: &mut Digest) {
     }
 }
 
-pub fn affine(digest: &mut Digest) {
+pub fn sensor_model(digest: &mut Digest) {
     let mut input = Input::new(52);
     for _ in 0..64 {
-        let affine = SensorModel {
+        let model = SensorModel {
             bias: input.vec3(1.0),
             matrix: [input.vec3(1.0), input.vec3(1.0), input.vec3(1.0)],
         };
         let raw = input.vec3(10.0);
-        digest.push_vec3(affine.apply(raw));
-        digest.push_result(affine.unapply(raw), Digest::push_vec3);
+        digest.push_vec3(model.apply(raw));
+        digest.push_result(model.unapply(raw), Digest::push_vec3);
     }
 }
 
@@ -164,5 +164,7 @@ pub fn known_turns(digest: &mut Digest) {
         digest.push_all(found.gyro_per_acceleration.as_flattened());
         digest.push_vec3(found.acc_bias_sigma);
         digest.push_vec3(found.gyro_bias_sigma);
+        digest.push_all(found.acc_matrix_sigma.as_flattened());
+        digest.push_all(found.gyro_matrix_sigma.as_flattened());
     });
 }

@@ -59,7 +59,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "sphere", run: fits::sphere },
     Topic { name: "allan", run: fits::allan },
     Topic { name: "calibration/apply", run: calibration::apply },
-    Topic { name: "calibration/affine", run: calibration::affine },
+    Topic { name: "calibration/sensor_model", run: calibration::sensor_model },
     Topic { name: "calibration/search", run: calibration::search },
     Topic { name: "calibration/six_face", run: calibration::six_face },
     Topic { name: "calibration/still", run: calibration::still },
@@ -95,4 +95,5 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "clock/frames", run: clock::frames },
     Topic { name: "clock/unwrap", run: clock::unwrap },
     Topic { name: "fuse", run: sync::fuse },
+    Topic { name: "fuse/relative", run: sync::relative },
 ];

@@ -3,7 +3,8 @@
 use alloc::vec::Vec;
 
 use shisei_core::frames::{Axes, Pose};
-use shisei_core::fuse::{self, FuseSettings, Inertial, Optical, Source};
+use shisei_core::fuse::relative::{self, RelativeSettings};
+use shisei_core::fuse::{self, FuseSettings, FusedFrame, Inertial, Optical, Source};
 use shisei_core::sync::fourier::{Complex, Fourier};
 use shisei_core::sync::gyro_path::{GyroPath, Stamp};
 use shisei_core::sync::rates::{RatesSettings, Start, Sync};
@@ -158,15 +159,46 @@ pub fn fuse(digest: &mut Digest) {
     digest.push_result(fuse::fuse(&optical, &inertial, &settings), |digest, fusion| {
         push_sync(digest, &fusion.sync);
         digest.push_vec3(fusion.up);
-        for frame in &fusion.frames {
-            digest.push_bytes(frame.source.name().as_bytes());
-            digest.push_all(&[frame.gap_s, frame.sigma_rad, frame.sigma_m]);
-            if let Some(pose) = frame.pose {
-                digest.push_vec3(pose.position_m);
-                digest.push_quaternion(pose.world_from_body);
-            }
-        }
+        push_frames(digest, &fusion.frames);
         for gap in &fusion.gaps {
+            digest.push_all(&[gap.length_s, gap.sigma_rad, gap.sigma_m]);
+        }
+    });
+}
+
+fn push_frames(digest: &mut Digest, frames: &[FusedFrame]) {
+    for frame in frames {
+        digest.push_bytes(frame.source.name().as_bytes());
+        digest.push_all(&[frame.gap_s, frame.sigma_rad, frame.sigma_m]);
+        if let Some(pose) = frame.pose {
+            digest.push_vec3(pose.position_m);
+            digest.push_quaternion(pose.world_from_body);
+        }
+    }
+}
+
+pub fn relative(digest: &mut Digest) {
+    // three seconds, as above; a second of the sensor before the first frame
+    let made = filmed();
+    let optical = Optical { time_s: &made.optical_s[..150], poses: &made.poses[..150] };
+    let sensor_s: Vec<f64> = made.sensor_s.iter().map(|time_s| time_s - 2.0).collect();
+    let rows = 100..320;
+    let inertial = Inertial {
+        time_s: &sensor_s[rows.clone()],
+        acc_m_s2: &made.acc[rows.clone()],
+        gyro_rad_s: &made.gyro[rows],
+    };
+    let settings = RelativeSettings {
+        grip_m: [0.05, -0.02, 0.1],
+        grip: Quaternion::from_rotation_vector([0.2, -0.1, 1.0]),
+        axes: Axes::ZUp,
+        ..RelativeSettings::default()
+    };
+    digest.push_result(relative::relative(&optical, &inertial, &settings), |digest, found| {
+        push_frames(digest, &found.frames);
+        digest.push_u64(found.reference as u64);
+        digest.push(found.tilt_off_rad);
+        for gap in &found.gaps {
             digest.push_all(&[gap.length_s, gap.sigma_rad, gap.sigma_m]);
         }
     });

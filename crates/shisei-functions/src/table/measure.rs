@@ -5,7 +5,7 @@ use crate::function::{Function, function};
 use crate::input::{Series, SixColumns};
 use crate::output::{Rows, Table};
 use shisei_core::allan::{averaging_factors, curve};
-use shisei_core::earth::analysis::{Believed, analyse};
+use shisei_core::earth::analysis::analyse;
 use shisei_core::earth::direction::Direction;
 use shisei_core::earth::fits::Measured;
 
@@ -65,13 +65,6 @@ fn earth_rate(means: &SixColumns<'_>, latitude_rad: f64) -> Result<Table<4, 2>> 
     };
     let latitude = (latitude_rad != 0.0).then_some(latitude_rad);
     let found = analyse(&directions, latitude)?;
-    // directions that fill space have no level of their own: a sphere alone says nothing of horizontal parts
-    let level = found.believed != Believed::Sphere;
     let row = |measured: Option<Measured>| measured.map_or([f64::NAN; 2], |m| [m.value, m.sigma]);
-    Ok(Table([
-        row(found.rate),
-        row(found.horizontal.filter(|_| level)),
-        row(found.latitude.filter(|_| level || latitude.is_some())),
-        row(found.day_h),
-    ]))
+    Ok(Table([row(found.rate), row(found.horizontal), row(found.latitude), row(found.day_h)]))
 }

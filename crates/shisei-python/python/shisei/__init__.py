@@ -15,7 +15,16 @@ The worksheet functions are in :mod:`shisei.sheet`.
 """
 from . import sheet
 from ._native import ConditionError, DomainError, ShapeError, __version__, set_language
-from .calibration import Calibration, Face, MultiPoseResult, SixFaceResult, multi_pose, six_face
+from .calibration import (
+    Calibration,
+    Face,
+    KnownTurnsResult,
+    MultiPoseResult,
+    SixFaceResult,
+    known_turns,
+    multi_pose,
+    six_face,
+)
 from .estimator import Estimate, Estimator, EstimatorState, EstimatorStates, estimate
 from .filters import (
     AdaptiveGain,
@@ -29,7 +38,18 @@ from .filters import (
     mahony_adaptive,
     orient,
 )
-from .measure import AllanDeviation, EarthRate, Measured, SphereFit, allan_deviation, earth_rate, fit_sphere
+from .fusion import Fusion, Gap, ImuRecording, OpticalTake, Sync, fuse, read_motive, read_recording
+from .measure import (
+    AllanDeviation,
+    EarthRate,
+    MeanRate,
+    Measured,
+    SphereFit,
+    allan_deviation,
+    earth_rate,
+    fit_sphere,
+    mean_rate,
+)
 from .motion import Track, foot_motion, rest_to_rest
 from .rotations import (
     conjugate,
@@ -46,10 +66,11 @@ from .rotations import (
 
 __all__ = [
     "AdaptiveGain", "AllanDeviation", "Calibration", "ConditionError", "DomainError", "EarthRate", "Estimate",
-    "Estimator", "EstimatorState", "EstimatorStates", "Face", "Mahony", "Measured", "Motion", "MultiPoseResult",
-    "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Track", "__version__", "allan_deviation",
+    "Estimator", "EstimatorState", "EstimatorStates", "Face", "Fusion", "Gap", "ImuRecording", "KnownTurnsResult", "Mahony", "MeanRate", "Measured",
+    "Motion", "MultiPoseResult", "OpticalTake",
+    "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Sync", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",
-    "from_axis_angle", "from_ypr", "initial_attitude", "integrate_gyro", "mahony", "mahony_adaptive", "multi_pose",
-    "multiply", "normalize", "orient", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
+    "from_axis_angle", "from_ypr", "fuse", "initial_attitude", "integrate_gyro", "known_turns", "mahony", "mahony_adaptive", "mean_rate", "multi_pose",
+    "multiply", "normalize", "orient", "read_motive", "read_recording", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
     "slerp", "to_ypr",
 ]

@@ -102,3 +102,31 @@ def navigate(
 def multi_pose(
     acc_m_s2: NDArray[float64], gyro_rad_s: NDArray[float64], dt_s: Any, gravity_m_s2: float, gyro_from_turns: bool
 ) -> dict[str, Any]: ...
+def known_turns(
+    acc: NDArray[float64],
+    gyro: NDArray[float64],
+    dt_s: Any,
+    turn_rad: float,
+    signed: bool,
+    gravity_m_s2: float,
+    parts: list[tuple[int, int]] | None,
+) -> dict[str, Any]: ...
+def mean_rate(
+    gyro_rad_s: NDArray[float64],
+    acc_m_s2: NDArray[float64] | None,
+    dt_s: float | NDArray[float64],
+    as_measured: bool,
+) -> dict[str, Any]: ...
+def read_motive(content: bytes, name: str, body: str | None, frozen: int) -> dict[str, Any]: ...
+def read_recording(files: list[tuple[str, bytes]]) -> dict[str, Any]: ...
+def fuse(
+    optical_s: NDArray[float64],
+    position_m: NDArray[float64],
+    q_wxyz: NDArray[float64],
+    sensor_s: NDArray[float64],
+    acc_m_s2: NDArray[float64],
+    gyro_rad_s: NDArray[float64],
+    axes: str,
+    gravity_m_s2: float,
+    near_s: float | None,
+) -> dict[str, Any]: ...

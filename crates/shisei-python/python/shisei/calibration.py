@@ -11,8 +11,10 @@ import numpy as np
 
 from ._arrays import Floats, series, steps
 from ._native import apply as _apply
+from ._native import known_turns as _known_turns
 from ._native import multi_pose as _multi_pose
 from ._native import six_face as _six_face
+from ._native import ShapeError
 
 IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 ZERO = (0.0, 0.0, 0.0)
@@ -166,3 +168,52 @@ def multi_pose(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, 
     return MultiPoseResult(calibration, np.array(found["acc_sigma"]), found["residual_rms_m_s2"],
                            found["held_out_rms_m_s2"], found["poses_m_s2"], found["rows"], np.array(found["suggested_up"]),
                            None if sigma is None else np.array(sigma), found.get("turn_residual_rms_rad"))
+
+
+@dataclass(frozen=True)
+class KnownTurnsResult:
+    """A calibration from six faces and three known turns with its uncertainty. Biases and their errors are in the raw unit."""
+
+    calibration: Calibration
+    acc_bias_sigma: Floats
+    """(3,)"""
+    acc_matrix_sigma: Floats
+    """(3, 3), unit of the matrix."""
+    gyro_bias_sigma: Floats
+    """(3,)"""
+    gyro_matrix_sigma: Floats
+    """(3, 3) standard errors from the noise; they do not know of faces and turns that are not true."""
+    gyro_per_acceleration: Floats
+    """(3, 3) raw gyro reading per m/s², column: axis of the acceleration."""
+
+
+PARTS = ("+x", "+y", "+z", "-x", "-y", "-z", "turn x", "turn y", "turn z")
+"""The nine parts of :func:`known_turns`: the axis that points up, then the axis turned about."""
+
+
+def known_turns(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, dt_s: float | None = None,
+                turn_rad: float = 2 * np.pi, signed: bool = False, gravity_m_s2: float = 9.80665,
+                parts: dict[str, tuple[int, int]] | None = None) -> KnownTurnsResult:
+    """Bias and full matrix of both sensors from six faces and a turn of a known angle about each axis.
+
+    acc_m_s2, gyro_rad_s: (N, 3); raw counts do as well, the result then turns counts into m/s² and rad/s. turn_rad: the
+    angle of each turn; with ``signed`` right-handed about the axis, else its direction is taken from the reading. parts:
+    first row and end row of each of :data:`PARTS`; without it they are found: a face is the longest rest on it, a turn
+    lies between two rests on the same face. Faces and turns are taken as true. The GIL is released. Raises ShapeError,
+    DomainError and ConditionError (a face or a turn is missing, faces mixed up).
+    """
+    acc, gyro = series(acc_m_s2, 3, "acc_m_s2"), series(gyro_rad_s, 3, "gyro_rad_s")
+    if len(acc) != len(gyro):
+        raise ShapeError(f"acc_m_s2 has {len(acc)} rows and gyro_rad_s {len(gyro)}")
+    given = None
+    if parts is not None:
+        if set(parts) != set(PARTS):
+            raise ShapeError(f"parts must have the keys {', '.join(PARTS)}")
+        given = [(int(parts[name][0]), int(parts[name][1])) for name in PARTS]
+        if not all(0 <= start < end <= len(acc) for start, end in given):
+            raise ShapeError(f"every part must be (start, end) with 0 ≤ start < end ≤ {len(acc)}")
+    found = _known_turns(acc, gyro, steps(len(acc), rate_hz, None, dt_s), float(turn_rad), signed, gravity_m_s2, given)
+    calibration = Calibration(tuple(found["acc_bias"]), found["acc_matrix"], tuple(found["gyro_bias"]),
+                              found["gyro_matrix"], {"method": "gyro-turns", "gravity_m_s2": gravity_m_s2})
+    names = ("acc_bias_sigma", "acc_matrix_sigma", "gyro_bias_sigma", "gyro_matrix_sigma", "gyro_per_acceleration")
+    return KnownTurnsResult(calibration, *(np.array(found[name]) for name in names))

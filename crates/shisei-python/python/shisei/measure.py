@@ -4,11 +4,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
+import numpy as np
+
 from ._arrays import Floats, as_floats, series, steps
 from ._native import ShapeError
 from ._native import allan_deviation as _allan
 from ._native import earth_rate as _earth_rate
 from ._native import fit_sphere as _fit_sphere
+from ._native import mean_rate as _mean_rate
 
 
 class Measured(NamedTuple):
@@ -99,6 +102,39 @@ def fit_sphere(points: Any) -> SphereFit:
 
 
 @dataclass(frozen=True)
+class MeanRate:
+    """One recording at rest, averaged: a row for :func:`earth_rate`."""
+
+    gyro_rad_s: Floats
+    """(3,) mean weighted by time."""
+    sigma_rad_s: Floats | None
+    """(3,) its standard error, from the scatter of 20 blocks; None with fewer than 60 readings."""
+    acc_m_s2: Floats | None
+    """(3,) mean acceleration; None where none was given."""
+    span_s: float
+    long_steps: int
+    """Steps longer than 1.5 median steps: gaps."""
+
+
+def mean_rate(*, gyro_rad_s: Any, acc_m_s2: Any = None, rate_hz: float | None = None, time_s: Any = None,
+              dt_s: float | None = None, weights: Literal["capped", "as-measured"] = "capped") -> MeanRate:
+    """The mean of a recording at rest in one direction, with its standard error.
+
+    gyro_rad_s, acc_m_s2: (N, 3). rate_hz, time_s (N,) or dt_s. weights: what a step longer than 1.5 median steps counts:
+    one median step, or its whole length as the published measurement has it. The GIL is released. Raises ShapeError
+    or DomainError (numbers that are not finite, steps not positive).
+    """
+    if weights not in ("capped", "as-measured"):
+        raise ValueError(f"weights is {weights!r}; it must be 'capped' or 'as-measured'")
+    gyro = series(gyro_rad_s, 3, "gyro_rad_s")
+    acc = None if acc_m_s2 is None else series(acc_m_s2, 3, "acc_m_s2")
+    found = _mean_rate(gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), weights == "as-measured")
+    for name in ("gyro_rad_s", "sigma_rad_s", "acc_m_s2"):
+        found[name] = None if found[name] is None else np.array(found[name])
+    return MeanRate(**found)
+
+
+@dataclass(frozen=True)
 class EarthRate:
     """The Earth's rotation as a gyroscope saw it; None where the directions do not determine a number."""
 
@@ -125,7 +161,7 @@ def earth_rate(*, gyro_rad_s: Any, sigma_rad_s: Any = None, acc_m_s2: Any = None
                latitude_rad: float | None = None) -> EarthRate:
     """The Earth's rotation, the latitude and true north from mean rates in several directions.
 
-    gyro_rad_s: (N, 3), one direction a row, three or more, sensor axes; averaged over minutes at rest each. sigma_rad_s:
+    gyro_rad_s: (N, 3), one direction a row, three or more, sensor axes; averaged over minutes at rest each (:func:`mean_rate`). sigma_rad_s:
     (N, 3) their standard errors. acc_m_s2: (N, 3) mean accelerations, which say where up was. latitude_rad: of the place,
     north positive, where known. Raises ShapeError, DomainError (numbers that are not finite, latitude beyond ±90°) and
     ConditionError (fewer than three directions, or all alike).

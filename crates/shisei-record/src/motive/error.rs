@@ -77,6 +77,32 @@ pub enum Problem {
         /// Total Frames in Take.
         total: u64,
     },
+    /// A pulse file holds fewer than two pulses.
+    FewPulses {
+        /// How many.
+        count: usize,
+    },
+    /// A pulse is not later than the one before.
+    PulseOrder {
+        /// Pulse, from 1.
+        pulse: usize,
+    },
+    /// A pulse comes too late or too soon after the one before: one is missing, or one is too many.
+    PulseStep {
+        /// Pulse, from 1.
+        pulse: usize,
+        /// Time from the pulse before, s.
+        step_s: f64,
+        /// The usual time, s.
+        usual_s: f64,
+    },
+    /// There is another number of pulses than the take has frames.
+    PulseCount {
+        /// Pulses in the file.
+        counted: u64,
+        /// Frames of the take.
+        total: u64,
+    },
 }
 
 /// A problem and its place.
@@ -182,6 +208,23 @@ fn english(problem: &Problem) -> String {
             "the receiver counted {counted} frames and the take has {total} (Total Frames in Take); the recording \
              belongs to another take or pulses were lost; choose the right one, or use --sync rates"
         ),
+        Problem::FewPulses { count } => format!(
+            "{count} pulses are too few; the file must hold the time of every camera pulse in seconds, one a row"
+        ),
+        Problem::PulseOrder { pulse } => format!(
+            "pulse {pulse} is not later than the one before; the times must ascend; use the pulses of one take"
+        ),
+        Problem::PulseStep { pulse, step_s, usual_s } => format!(
+            "pulse {pulse} comes {:.3} ms after the one before, where {:.3} ms is usual: {}; repair the pulse file, or \
+             use --sync rates",
+            step_s * 1e3,
+            usual_s * 1e3,
+            if step_s > usual_s { "pulses are missing" } else { "there is one too many" }
+        ),
+        Problem::PulseCount { counted, total } => format!(
+            "the pulse file holds {counted} pulses and the take has {total} frames; it belongs to another take, or \
+             pulses were lost at its ends; choose the right one, or use --sync rates"
+        ),
     }
 }
 
@@ -244,6 +287,24 @@ fn japanese(problem: &Problem) -> String {
         Problem::SequenceCount { counted, total } => format!(
             "受信機が数えたフレームは {counted}、テイクは {total} (Total Frames in Take) です。別のテイクの記録か、\
              パルスの欠落です。正しい記録を選ぶか、--sync rates を使ってください"
+        ),
+        Problem::FewPulses { count } => format!(
+            "パルスが {count} 個しかありません。カメラのパルスの時刻を 1 行に 1 つ、秒で書いたファイルが必要です"
+        ),
+        Problem::PulseOrder { pulse } => format!(
+            "{pulse} 番目のパルスが、その前のパルスより後になっていません。時刻は増加していく必要があります。\
+             1 つのテイクのパルスだけを使ってください"
+        ),
+        Problem::PulseStep { pulse, step_s, usual_s } => format!(
+            "{pulse} 番目のパルスが前のパルスから {:.3} ms 後にあります (通常は {:.3} ms)。{}。パルスファイルを修正するか、\
+             --sync rates を使ってください",
+            step_s * 1e3,
+            usual_s * 1e3,
+            if step_s > usual_s { "パルスの欠落です" } else { "余分なパルスです" }
+        ),
+        Problem::PulseCount { counted, total } => format!(
+            "パルスは {counted} 個、テイクは {total} フレームです。別のテイクのパルスか、両端での欠落です。\
+             正しいファイルを選ぶか、--sync rates を使ってください"
         ),
     }
 }

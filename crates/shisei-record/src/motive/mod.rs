@@ -13,6 +13,7 @@
 mod body;
 mod error;
 mod loss;
+mod pulses;
 mod read;
 mod take;
 mod write;
@@ -20,6 +21,7 @@ mod write;
 pub use body::{Body, Marker, MarkerKind};
 pub use error::{Error, Problem, Result};
 pub use loss::LossRule;
+pub use pulses::read_pulses;
 pub use read::{looks_like, read};
 pub use take::{Column, Rotation, Style, Take};
 pub use write::write;
