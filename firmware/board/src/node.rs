@@ -10,7 +10,8 @@ use embassy_sync::channel::Channel;
 use embassy_time::{Duration, Timer};
 use heapless::Vec;
 use shisei_device::node::Node;
-use shisei_wire::gatt::{NAME_MAX, NOTIFICATION_MAX, SERVICE};
+use shisei_wire::gatt::{CONTROL, DATA, NAME_MAX, NOTIFICATION_MAX, SERVICE, STATUS};
+use trouble_host::gap::GAP_SERVICE_ATTRIBUTE_COUNT;
 use trouble_host::prelude::*;
 
 use crate::anchor::Anchor;
@@ -94,20 +95,34 @@ impl EventHandler for Radio {
     }
 }
 
-#[gatt_server(connections_max = 1)]
-struct Server {
-    imu: ImuService,
+/// GAP's and GATT's own; the service, packets with their switch, commands, state.
+const ATTRIBUTES: usize = GAP_SERVICE_ATTRIBUTE_COUNT + 1 + 3 + 2 + 2;
+
+type Attributes<'a> = AttributeServer<'a, NoopRawMutex, DefaultPacketPool, ATTRIBUTES, 1>;
+
+/// What a receiver can read, write and subscribe to.
+struct Server<'a> {
+    attributes: Attributes<'a>,
+    data: Characteristic<Vec<u8, 1>>,
+    control: Characteristic<Vec<u8, COMMAND_MAX>>,
+    status: Characteristic<Status>,
 }
 
-/// The identifiers of [`shisei_wire::gatt`].
-#[gatt_service(uuid = "1f523310-9e1c-4e4d-b12a-5ccb61700001")]
-struct ImuService {
-    #[characteristic(uuid = "1f523310-9e1c-4e4d-b12a-5ccb61700002", notify)]
-    data: Vec<u8, 1>,
-    #[characteristic(uuid = "1f523310-9e1c-4e4d-b12a-5ccb61700003", write)]
-    control: Vec<u8, COMMAND_MAX>,
-    #[characteristic(uuid = "1f523310-9e1c-4e4d-b12a-5ccb61700004", read)]
-    status: Vec<u8, STATUS_MAX>,
+impl<'a> Server<'a> {
+    fn new(command: &'a mut [u8; COMMAND_MAX], status: &'a mut [u8; STATUS_MAX]) -> Result<Self, Stopped> {
+        let mut table = AttributeTable::new();
+        let gap = PeripheralConfig { name: "shisei", appearance: &appearance::sensor::GENERIC_SENSOR };
+        GapConfig::Peripheral(gap).build(&mut table).map_err(|_| Stopped)?;
+        let mut service = table.add_service(Service::new(Uuid::new_long(SERVICE)));
+        let notify = [CharacteristicProp::Notify];
+        let data = service.add_characteristic_small(Uuid::new_long(DATA), notify, Vec::new()).build();
+        let write = [CharacteristicProp::Write];
+        let control = service.add_characteristic(Uuid::new_long(CONTROL), write, Vec::new(), command).build();
+        let read = [CharacteristicProp::Read];
+        let status = service.add_characteristic(Uuid::new_long(STATUS), read, Vec::new(), status).build();
+        service.build();
+        Ok(Server { attributes: AttributeServer::new(table), data, control, status })
+    }
 }
 
 /// Runs the radio of a node until the controller fails. `address` is a static random one; `report_anchors` switches
@@ -128,11 +143,8 @@ where
     let mut runner = stack.runner();
     let work = async {
         stack.command(report_anchors).await.map_err(|_| Stopped)?;
-        let server = Server::new_with_config(GapConfig::Peripheral(PeripheralConfig {
-            name: "shisei",
-            appearance: &appearance::sensor::GENERIC_SENSOR,
-        }))
-        .map_err(|_| Stopped)?;
+        let (mut command, mut status) = ([0; COMMAND_MAX], [0; STATUS_MAX]);
+        let server = Server::new(&mut command, &mut status)?;
         let mut peripheral = stack.peripheral();
         loop {
             // A failure here is of the moment: a link that broke while it was made.
@@ -169,13 +181,13 @@ async fn serve<C: trouble_host::Controller>(
         scan_data: scan.get(..scan_length).unwrap_or_default(),
     };
     let connection = peripheral.advertise(&parameters, advertisement).await?.accept().await?;
-    let connection = connection.with_attribute_server(server)?;
+    let connection = connection.with_attribute_server(&server.attributes)?;
     radio.anchor.set(None);
     radio.outgoing.clear();
     let notify = async {
         loop {
             let packet = radio.outgoing.receive().await;
-            if server.imu.data.notify_raw(&connection, &packet, false).await.is_err() {
+            if server.data.notify_raw(&connection, &packet, false).await.is_err() {
                 // The link is gone, which `requests` is told as well.
                 core::future::pending::<()>().await;
             }
@@ -189,7 +201,7 @@ async fn serve<C: trouble_host::Controller>(
                 GattConnectionEvent::Gatt { event } => answer(event, server, radio).await,
                 _ => {}
             }
-            let now = server.imu.data.should_notify(&connection);
+            let now = server.data.should_notify(&connection);
             if now != subscribed {
                 subscribed = now;
                 radio.link_changed.set(Some(now));
@@ -204,14 +216,12 @@ async fn serve<C: trouble_host::Controller>(
 
 async fn answer(event: GattEvent<'_, '_, DefaultPacketPool>, server: &Server<'_>, radio: &Radio) {
     let taken = match &event {
-        GattEvent::Read(read) if read.handle() == server.imu.status.handle => {
-            server.set(&server.imu.status, &*radio.status.borrow()).is_ok()
+        GattEvent::Read(read) if read.handle() == server.status.handle => {
+            server.status.set(&server.attributes, &radio.status.borrow()).is_ok()
         }
-        GattEvent::Write(write) if write.handle() == server.imu.control.handle => {
-            write.with_data(|_, bytes| {
-                Vec::from_slice(bytes).is_ok_and(|command| radio.commands.try_send(command).is_ok())
-            })
-        }
+        GattEvent::Write(write) if write.handle() == server.control.handle => write.with_data(|_, bytes| {
+            Vec::from_slice(bytes).is_ok_and(|command| radio.commands.try_send(command).is_ok())
+        }),
         _ => true,
     };
     let reply = if taken { event.accept() } else { event.reject(AttErrorCode::INSUFFICIENT_RESOURCES) };
