@@ -8,7 +8,7 @@ use crate::cross::WINDOWS;
 use crate::needs::{Apt, Needs};
 use crate::project::Project;
 use crate::run::{heading, output_of};
-use crate::{installer, wine, workbooks};
+use crate::{firmware, installer, wine, workbooks};
 
 /// `cargo xtask dist [--install]`.
 pub fn command(project: &Project, words: &[&str]) -> Result<(), String> {
@@ -31,7 +31,7 @@ pub fn command(project: &Project, words: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// What is needed to build for Excel, Calc and Python on this machine.
+/// What is needed to build for Excel, Calc, Python and the boards on this machine.
 fn needs(project: &Project) -> Needs {
     let mut needs = WINDOWS.needs(project);
     needs.apt.extend(wine::needs());
@@ -42,6 +42,7 @@ fn needs(project: &Project) -> Needs {
         Apt::file("libreoffice-dev", "/usr/lib/libreoffice/sdk/bin/unoidl-write"),
     ]);
     needs.pip.push("maturin");
+    needs.apt.extend(firmware::needs(project).apt);
     needs
 }
 
@@ -58,8 +59,11 @@ fn build(project: &Project) -> Result<Vec<PathBuf>, String> {
     let ods = workbooks::build_ods(project, &extension)?;
     heading("for Python");
     let wheel = artefacts::python_wheel(project)?;
+    heading("for the boards");
+    let boards = firmware::files(project)?;
     let WindowsFiles { xll, dll, .. } = windows;
     let mut files = vec![xll, dll, installer, extension, wheel, artefacts::shared_library(project)?];
+    files.extend(boards);
     files.extend(samples);
     files.extend(ods);
     files.push(project.root.join("crates/shisei-capi/include/shisei.h"));

@@ -5,6 +5,8 @@ pub mod bench;
 pub mod cross;
 pub mod digests;
 pub mod dist;
+pub mod elf;
+pub mod firmware;
 pub mod fuzz;
 pub mod installer;
 pub mod needs;

@@ -11,7 +11,7 @@ pub const SERVICE: [u8; 16] = uuid(1);
 pub const DATA: [u8; 16] = uuid(2);
 /// Written commands: the body of a command message (kind and fields, without version and node).
 pub const CONTROL: [u8; 16] = uuid(3);
-/// Read: battery mV u16, temperature 0.01 °C i16, firmware version 3 bytes, boot id u16.
+/// Read: battery mV u16, temperature 0.01 °C i16, firmware version 3 bytes, boot id u16, then the name.
 pub const STATUS: [u8; 16] = uuid(4);
 
 /// Longest name of a node, bytes of UTF-8; so much fits beside the service into advertisement and scan response.

@@ -5,15 +5,16 @@ use std::time::Duration;
 use super::Suite;
 use crate::cross::CORTEX_M4F;
 use crate::digests;
+use crate::firmware;
 use crate::needs::{Apt, Needs};
 use crate::project::{Project, on_path};
 use crate::run::{Run, heading, must, output_within};
 
 pub const SUITE: Suite = Suite {
     name: "device",
-    about: "the core's digest on an emulated Cortex-M4F, and the Spresense sketch",
+    about: "the core's digest on an emulated Cortex-M4F, firmware and UF2 files, the Spresense sketch",
     needs: |project| {
-        let mut needs = CORTEX_M4F.needs(project);
+        let mut needs = firmware::needs(project);
         needs.apt.push(Apt::program("qemu-system-arm", "qemu-system-arm"));
         needs
     },
@@ -31,6 +32,19 @@ pub const SUITE: Suite = Suite {
 fn run(run: &mut Run<'_>) {
     heading("digest on Cortex-M4F");
     digests::compare(run, CORTEX_M4F.triple, emulate(run.project));
+    heading("firmware");
+    for board in firmware::BOARDS {
+        let packed = firmware::build(run.project, board).and_then(|program| firmware::pack(&program));
+        run.check(board, packed.map(|(file, size)| format!("{size}; {}", file.display())));
+    }
+    let notice = std::fs::read_to_string(run.project.root.join(firmware::NOTICE)).unwrap_or_default();
+    let named = ["Nordic Semiconductor", "5. Any software provided in binary form"]
+        .iter()
+        .all(|part| notice.contains(part));
+    run.check(
+        "NOTICE",
+        if named { Ok(String::new()) } else { Err(format!("{} lacks Nordic's licence", firmware::NOTICE)) },
+    );
     heading("Spresense sketch");
     spresense(run);
 }

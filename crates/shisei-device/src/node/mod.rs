@@ -284,7 +284,7 @@ impl Node {
         self.battery_mv = millivolts;
     }
 
-    /// What [`shisei_wire::gatt::STATUS`] reads: battery, temperature, firmware version, boot id.
+    /// What [`shisei_wire::gatt::STATUS`] reads before the name: battery, temperature, firmware version, boot id.
     pub fn status(&self) -> [u8; 9] {
         let [battery_0, battery_1] = self.battery_mv.to_le_bytes();
         let [temperature_0, temperature_1] = self.temperature_centi_c.unwrap_or(i16::MIN).to_le_bytes();

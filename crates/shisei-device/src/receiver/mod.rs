@@ -192,14 +192,16 @@ impl<const OUT: usize> Receiver<OUT> {
         slot.connected = true;
         slot.forget_anchors();
         slot.set_name(name);
-        if let [b0, b1, t0, t1, major, minor, patch, ..] = *status {
-            slot.battery_mv = u16::from_le_bytes([b0, b1]);
-            let temperature = i16::from_le_bytes([t0, t1]);
-            slot.temperature_centi_c = (temperature != i16::MIN).then_some(temperature);
-            slot.firmware = [major, minor, patch];
-        }
+        slot.set_status(status);
         self.event(now_us, EventCode::Connected, place as u8, 0);
         self.tell_node(place);
+    }
+
+    /// A node's state was read anew.
+    pub fn status(&mut self, place: usize, status: &[u8]) {
+        if let Some(slot) = self.slots.get_mut(place) {
+            slot.set_status(status);
+        }
     }
 
     /// A link is gone, and why (the link layer's reason).

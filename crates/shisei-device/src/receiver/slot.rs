@@ -71,6 +71,16 @@ impl Slot {
         self.name.get(..self.name_length).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("")
     }
 
+    /// Takes over what [`shisei_wire::gatt::STATUS`] read; less than its fixed bytes is nothing.
+    pub fn set_status(&mut self, status: &[u8]) {
+        if let [b0, b1, t0, t1, major, minor, patch, ..] = *status {
+            self.battery_mv = u16::from_le_bytes([b0, b1]);
+            let temperature = i16::from_le_bytes([t0, t1]);
+            self.temperature_centi_c = (temperature != i16::MIN).then_some(temperature);
+            self.firmware = [major, minor, patch];
+        }
+    }
+
     /// A new connection counts its events anew.
     pub fn forget_anchors(&mut self) {
         self.known = 0;

@@ -1,0 +1,142 @@
+//! The node on a Seeed XIAO nRF52840 Sense: pins, PPI, timers. What it does is in `shisei-device`.
+#![no_std]
+#![no_main]
+
+mod battery;
+mod board;
+mod memory;
+mod sensor;
+
+use core::cell::{Cell, RefCell};
+
+use embassy_executor::Spawner;
+use embassy_futures::join::{join, join4};
+use embassy_futures::select::select;
+use embassy_nrf::gpio::{Level, Output, OutputDrive, Pull};
+use embassy_nrf::gpiote::{InputChannel, InputChannelPolarity};
+use embassy_nrf::mode::Async;
+use embassy_nrf::ppi::Ppi;
+use embassy_nrf::{bind_interrupts, peripherals, rng, saadc, twim};
+use embassy_time::Timer;
+use nrf_mpsl::{self as mpsl, MultiprotocolServiceLayer, SessionMem};
+use nrf_sdc::vendor::NordicConnAnchorPointUpdateEventReportEnable as ReportAnchors;
+use shisei_board::node::Radio;
+use shisei_device::node::{Node, step};
+use shisei_xiao::{BoardClock, CC_EDGE, LOW_FREQUENCY_CLOCK, address, config};
+use static_cell::StaticCell;
+
+use board::Xiao;
+use memory::{Memory, Name, NewName};
+use sensor::Readings;
+
+bind_interrupts!(struct Interrupts {
+    RNG => rng::InterruptHandler<peripherals::RNG>;
+    SAADC => saadc::InterruptHandler;
+    TWISPI0 => twim::InterruptHandler<peripherals::TWISPI0>;
+    EGU0_SWI0 => mpsl::LowPrioInterruptHandler;
+    CLOCK_POWER => mpsl::ClockInterruptHandler;
+    RADIO => mpsl::HighPrioInterruptHandler;
+    TIMER0 => mpsl::HighPrioInterruptHandler;
+    RTC0 => mpsl::HighPrioInterruptHandler;
+});
+
+/// Memory of Nordic's controller for one link with packets of 251 bytes.
+const CONTROLLER_BYTES: usize = 8_192;
+/// The logic is looked after at least this often, ms.
+const STEP_MS: u64 = 4;
+
+/// A fault starts the board anew; its new boot id tells.
+#[panic_handler]
+fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
+    cortex_m::peripheral::SCB::sys_reset()
+}
+
+#[embassy_executor::task]
+async fn run_mpsl(mpsl: &'static MultiprotocolServiceLayer<'static>) -> ! {
+    mpsl.run().await
+}
+
+#[embassy_executor::main]
+async fn main(spawner: Spawner) {
+    let p = embassy_nrf::init(config());
+
+    static MPSL: StaticCell<MultiprotocolServiceLayer> = StaticCell::new();
+    static SESSIONS: StaticCell<SessionMem<1>> = StaticCell::new();
+    let parts = mpsl::Peripherals::new(p.RTC0, p.TIMER0, p.TEMP, p.PPI_CH19, p.PPI_CH30, p.PPI_CH31);
+    let sessions = SESSIONS.init(SessionMem::new());
+    let mpsl = MultiprotocolServiceLayer::with_timeslots(parts, Interrupts, LOW_FREQUENCY_CLOCK, sessions);
+    let mpsl: &'static _ = MPSL.init(mpsl.expect("MPSL starts with these fixed settings"));
+    spawner.spawn(run_mpsl(mpsl).expect("it is spawned once"));
+    let _crystal = mpsl.request_hfclk().await.expect("the board has its crystal");
+
+    // Each data-ready edge is captured by hardware.
+    let (clock, timer) = BoardClock::start(p.TIMER3);
+    let ready = InputChannel::new(p.GPIOTE_CH0, p.P0_11, Pull::None, InputChannelPolarity::LoToHi);
+    let mut capture = Ppi::new_one_to_one(p.PPI_CH0, ready.event_in(), timer.cc(CC_EDGE).task_capture());
+    capture.enable();
+
+    let power = Output::new(p.P1_08, Level::High, OutputDrive::Standard0HighDrive1);
+    static I2C_BUFFER: StaticCell<[u8; 16]> = StaticCell::new();
+    let mut i2c_config = twim::Config::default();
+    i2c_config.frequency = twim::Frequency::K400;
+    let i2c = twim::Twim::new(p.TWISPI0, Interrupts, p.P0_07, p.P0_27, i2c_config, I2C_BUFFER.init([0; 16]));
+
+    static RNG: StaticCell<rng::Rng<'static, Async>> = StaticCell::new();
+    let rng = RNG.init(rng::Rng::new(p.RNG, Interrupts));
+    let mut boot = [0; 2];
+    rng.fill_bytes(&mut boot).await;
+    static CONTROLLER: StaticCell<nrf_sdc::Mem<CONTROLLER_BYTES>> = StaticCell::new();
+    let channels = nrf_sdc::Peripherals::new(
+        p.PPI_CH17, p.PPI_CH18, p.PPI_CH20, p.PPI_CH21, p.PPI_CH22, p.PPI_CH23, p.PPI_CH24, p.PPI_CH25,
+        p.PPI_CH26, p.PPI_CH27, p.PPI_CH28, p.PPI_CH29,
+    );
+    let controller = (|| {
+        nrf_sdc::Builder::new()?
+            .support_adv()
+            .support_peripheral()
+            .support_dle_peripheral()
+            .support_le_2m_phy()
+            .support_phy_update_peripheral()
+            .peripheral_count(1)?
+            .buffer_cfg(251, 251, 4, 4)?
+            .build(channels, rng, mpsl, CONTROLLER.init(nrf_sdc::Mem::new()))
+    })()
+    .expect("the controller starts with these fixed settings");
+
+    let mut memory = Memory::new(mpsl, p.NVMC);
+    let name = memory.name();
+    let new_name = NewName::new();
+    let keep = memory.keep(&new_name);
+    let node = RefCell::new(Node::new(u16::from_le_bytes(boot), name.as_str()));
+    let (radio, readings) = (Radio::default(), Readings::default());
+    radio.set_status(&node.borrow());
+    let battery_mv = Cell::new(0);
+    let battery = battery::watch(p.SAADC, Interrupts, p.P0_31, p.P0_14, &battery_mv);
+    let light = Output::new(p.P0_06, Level::High, OutputDrive::Standard);
+
+    let logic = async {
+        let mut board = Xiao {
+            clock: &clock,
+            readings: &readings,
+            radio: &radio,
+            battery_mv: &battery_mv,
+            light,
+            new_name: false,
+        };
+        loop {
+            select(readings.wait(), Timer::after_millis(STEP_MS)).await;
+            let mut node = node.borrow_mut();
+            step(&mut node, &mut board);
+            radio.set_status(&node);
+            if core::mem::take(&mut board.new_name) {
+                new_name.signal(Name::try_from(node.name()).unwrap_or_default());
+            }
+        }
+    };
+    let sensing = sensor::run(i2c, ready, power, &clock, &readings);
+    let follow = clock.follow(&timer, p.RTC2, p.PPI_CH1);
+    let talking = shisei_board::node::run(controller, address(), ReportAnchors::new(true), &radio);
+    // Without its radio a node is nothing: it starts anew.
+    select(talking, join4(join(logic, sensing), follow, battery, keep)).await;
+    cortex_m::peripheral::SCB::sys_reset();
+}
