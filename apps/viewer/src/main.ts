@@ -107,6 +107,14 @@ function choose(body: Body | null): void {
   list.update(chosen);
 }
 
+/** The picture's middle is that of the part no panel covers. */
+function makeRoom(): void {
+  const narrow = innerWidth <= 720;
+  const wide = (id: string): number => (find(id).hidden || narrow ? 0 : find(id).offsetWidth + 12);
+  const below = find("#status").hidden ? 0 : find("#status").offsetHeight + 12;
+  stage?.setInsets(wide("#bodies"), narrow ? 96 : 60, wide("#inspector"), below);
+}
+
 function follow(on: boolean): void {
   following = on && chosen !== null;
   inspector.setFollow(following);
@@ -238,6 +246,7 @@ function frame(now_ms: number): void {
   }
   if (now_ms - panels_ms > PANELS_EVERY_MS) {
     panels_ms = now_ms;
+    makeRoom();
     connection.watch(began);
     world.expire(began);
     list.update(chosen);
@@ -265,11 +274,19 @@ showPanels();
 connection.open();
 requestAnimationFrame(frame);
 
+/** Where a body is on the page, CSS pixels. */
+function where(body: Body): { x: number; y: number } {
+  const at = { x: NaN, y: NaN };
+  picture?.placeOf(body, place);
+  stage?.project(place[0]!, place[1]!, place[2]!, at);
+  return at;
+}
+
 // For tests: what is on the screen, as numbers.
 declare global {
   interface Window {
-    shisei: { world: World; pace: Pace; status: () => Status | null };
+    shisei: { world: World; pace: Pace; status: () => Status | null; where: (body: Body) => { x: number; y: number } };
   }
 }
-window.shisei = { world, pace, status: () => status };
+window.shisei = { world, pace, status: () => status, where };
 document.documentElement.dataset["ready"] = "";

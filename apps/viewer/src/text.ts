@@ -142,7 +142,7 @@ const ja: Record<Key, string> = {
   none: "まだありません",
   noBodies: "剛体はまだありません。カメラかノードのデータが届くと表示します。",
   optical: "光学",
-  bridged: "補間中",
+  bridged: "推定中",
   inertial: "慣性のみ",
   vanished: "消失",
   opticalHelp: "カメラに見えています",

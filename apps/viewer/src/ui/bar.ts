@@ -74,6 +74,7 @@ export class Bar {
     mark(this.link, "data-link", state);
     put(find("b", this.link), say(state));
     this.sign.hidden = state !== "lost" && state !== "silent" && !this.wrongProtocol;
+    document.body.classList.toggle("signed", !this.sign.hidden);
     if (!this.sign.hidden) {
       const lost = state === "lost";
       const wait = Math.max(0, Math.ceil((this.connection.next_ms - now_ms) / 1000));

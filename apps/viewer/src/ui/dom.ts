@@ -2,6 +2,8 @@
 
 import { type Key, say } from "../text";
 
+const SVG = "http://www.w3.org/2000/svg";
+
 export function find<T extends Element = HTMLElement>(selector: string, within: ParentNode = document): T {
   const found = within.querySelector<T>(selector);
   if (!found) throw new Error(`the page has no ${selector}`);
@@ -20,6 +22,25 @@ export function button(text: string, className: string, pressed: () => void): HT
   made.type = "button";
   made.addEventListener("click", pressed);
   return made;
+}
+
+/** A small cross that closes something. */
+export function closeButton(pressed: () => void, key: Key = "close"): HTMLButtonElement {
+  const made = button("", "icon close", pressed);
+  made.append(icon("m5 5 10 10M15 5 5 15"));
+  made.setAttribute("aria-label", say(key));
+  return made;
+}
+
+/** Strokes on a square of 20. */
+export function icon(strokes: string): SVGSVGElement {
+  const svg = document.createElementNS(SVG, "svg");
+  svg.setAttribute("viewBox", "0 0 20 20");
+  svg.setAttribute("aria-hidden", "true");
+  const path = document.createElementNS(SVG, "path");
+  path.setAttribute("d", strokes);
+  svg.append(path);
+  return svg;
 }
 
 /** Writes only what differs, so that nothing is laid out again in vain. */

@@ -1,7 +1,7 @@
 // The keys and gestures, shown by `?`.
 
 import { type Key, say } from "../text";
-import { button, find, make } from "./dom";
+import { closeButton, find, make } from "./dom";
 
 const KEYS: readonly (readonly [string[], Key])[] = [
   [["R"], "keyRecord"],
@@ -47,8 +47,7 @@ export class Help {
 
   private render(): void {
     const head = make("header");
-    const close = button("×", "icon close", () => this.dialog.close());
-    close.setAttribute("aria-label", say("close"));
+    const close = closeButton(() => this.dialog.close());
     head.append(make("h2", "", say("help")), close);
     const table = make("table");
     for (const [keys, what] of KEYS) {

@@ -25,4 +25,8 @@ export function legend(): void {
     item.append(sign(source), line, make("span", "", say(look.name)));
     root.append(item);
   }
+  const marker = make("li");
+  marker.title = say("markerHelp");
+  marker.append(make("i"), make("span", "", say("marker")));
+  root.append(marker);
 }

@@ -2,7 +2,7 @@
 
 import type { Ability, NodeStatus, Status } from "../protocol";
 import { type Key, say } from "../text";
-import { button, find, make } from "./dom";
+import { button, closeButton, find, make } from "./dom";
 import { bytes, clock, count, DASH, fixed } from "./numbers";
 
 /** Below this a lithium cell is nearly empty, V. */
@@ -44,11 +44,10 @@ export class StatusPanel {
 
   render(): void {
     // What is being typed is not overwritten.
-    if (this.root.hidden || (this.renaming !== null && this.root.contains(document.activeElement))) return;
+    if (this.root.hidden || (this.renaming !== null && this.root.querySelector("form:focus-within"))) return;
     const { status } = this;
     const head = make("header");
-    const closing = button("×", "icon close", () => this.close());
-    closing.setAttribute("aria-label", say("close"));
+    const closing = closeButton(() => this.close());
     head.append(make("h2", "", say("status")), closing);
     if (!status) {
       this.root.replaceChildren(head, make("p", "", say("none")));
@@ -136,7 +135,7 @@ export class StatusPanel {
       event.preventDefault();
       const wanted = input.value.trim();
       if (wanted && wanted !== name) this.rename(name, wanted);
-      input.blur();
+      if (document.activeElement instanceof HTMLElement) document.activeElement.blur();
       done();
     });
     input.addEventListener("keydown", (event) => {
@@ -145,7 +144,11 @@ export class StatusPanel {
       input.blur();
       done();
     });
-    form.append(input, make("button", "", say("save")), button(say("cancel"), "", () => done()));
+    const cancel = button(say("cancel"), "", () => {
+      cancel.blur();
+      done();
+    });
+    form.append(input, make("button", "", say("save")), cancel);
     cell.append(form);
     return cell;
   }

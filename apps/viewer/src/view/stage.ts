@@ -8,6 +8,7 @@ const NEAREST_M = 0.15;
 const FARTHEST_M = 40;
 /** Fewer frames a second than this for a while: fewer pixels. */
 const SLOW_MS = 1000 / 48;
+const FEWEST = 0.5;
 
 export type View = "top" | "front" | "side" | "corner";
 
@@ -18,6 +19,16 @@ const VIEWS: Record<View, readonly [number, number, number]> = {
   corner: [0.62, -0.78, 0.42],
 };
 
+/** True without a graphics card, where every pixel counts. */
+function drawnBySoftware(): boolean {
+  const probe = document.createElement("canvas").getContext("webgl2");
+  if (!probe) return false;
+  const info = probe.getExtension("WEBGL_debug_renderer_info");
+  const name = String(probe.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : probe.RENDERER));
+  probe.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+}
+
 export class Stage {
   readonly scene = new THREE.Scene();
   readonly camera = new THREE.PerspectiveCamera(FOV_DEG, 1, 0.02, 200);
@@ -27,6 +38,7 @@ export class Stage {
   height = 1;
   /** Size of a CSS pixel at a distance of 1. */
   unit = 0.001;
+  private readonly inset = new Float64Array(4);
   private ratio = 1;
   private slow = 0;
   private last_ms = 0;
@@ -38,7 +50,7 @@ export class Stage {
 
   constructor(private readonly canvas: HTMLCanvasElement, resized: () => void) {
     this.resized = resized;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, alpha: true, powerPreference: "high-performance" });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnBySoftware(), alpha: true, powerPreference: "high-performance" });
     this.renderer.setClearColor(0x000000, 0);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(3, -3.8, 2.6);
@@ -55,6 +67,14 @@ export class Stage {
     this.fit();
   }
 
+  /** Pixels at the edges that panels cover: the middle of the picture is that of the rest. */
+  setInsets(left: number, top: number, right: number, bottom: number): void {
+    const { inset } = this;
+    if (inset[0] === left && inset[1] === top && inset[2] === right && inset[3] === bottom) return;
+    inset.set([left, top, right, bottom]);
+    this.fit();
+  }
+
   private fit(): void {
     const { clientWidth, clientHeight } = this.canvas;
     this.width = Math.max(1, clientWidth);
@@ -62,7 +82,9 @@ export class Stage {
     this.renderer.setPixelRatio(this.ratio);
     this.renderer.setSize(this.width, this.height, false);
     this.camera.aspect = this.width / this.height;
-    this.camera.updateProjectionMatrix();
+    const right = (this.inset[2]! - this.inset[0]!) / 2;
+    const down = (this.inset[3]! - this.inset[1]!) / 2;
+    this.camera.setViewOffset(this.width, this.height, right, down, this.width, this.height);
     this.unit = (2 * Math.tan((FOV_DEG * Math.PI) / 360)) / this.height;
     this.resized();
   }
@@ -71,9 +93,9 @@ export class Stage {
   draw(now_ms: number): void {
     const took = now_ms - this.last_ms;
     this.last_ms = now_ms;
-    if (took < 200) this.slow = took > SLOW_MS ? this.slow + 1 : Math.max(0, this.slow - 2);
-    if (this.slow > 60 && this.ratio > 0.75) {
-      this.ratio = Math.max(0.75, this.ratio * 0.75);
+    if (took < 500) this.slow = took > SLOW_MS ? this.slow + 1 : Math.max(0, this.slow - 2);
+    if (this.slow > 45 && this.ratio > FEWEST) {
+      this.ratio = Math.max(FEWEST, this.ratio * 0.75);
       this.slow = 0;
       this.fit();
     }
@@ -87,8 +109,9 @@ export class Stage {
     const direction = this.scratch;
     if (view) direction.set(...VIEWS[view]);
     else direction.copy(this.camera.position).sub(target);
-    const narrow = Math.min(1, this.camera.aspect);
-    const distance = (1.15 * Math.max(radius, 0.3)) / Math.sin((FOV_DEG * Math.PI) / 360) / narrow;
+    const free = (this.width - this.inset[0]! - this.inset[2]!) / this.height;
+    const narrow = Math.min(1, Math.max(0.3, free));
+    const distance = (1.0 * Math.max(radius, 0.3)) / Math.sin((FOV_DEG * Math.PI) / 360) / narrow;
     target.set(x, y, z);
     this.camera.position.copy(target).addScaledVector(direction.normalize(), distance);
     this.controls.update();
