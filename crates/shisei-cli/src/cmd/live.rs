@@ -1,0 +1,213 @@
+//! `shisei live`: sensors and cameras together, in a browser.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+use std::time::Duration;
+
+use serde_json::{Value, json};
+use shisei_core::Lang;
+use shisei_core::frames::Axes;
+use shisei_hub::live::{Input, Kind, Line, Mounting, Parts, Replay, Settings, State, What, run as run_hub};
+use shisei_hub::server::{Access, Serving};
+
+use super::ports::{Feed, Got, stop_flag};
+use crate::args_live::Live;
+use crate::demo::Demo;
+use crate::fail::{Failure, Outcome, say};
+
+/// Where the viewer is unless said otherwise.
+const PORT: u16 = 7399;
+/// Where recordings go that are begun in the viewer.
+const RECORDING: &str = "shisei-live.mcap";
+/// From one try to open a lost port to the next.
+const RETRY: Duration = Duration::from_millis(300);
+/// Seed of the demonstration.
+const SEED: u64 = 7;
+
+/// Runs the command.
+pub fn run(args: Live, lang: Lang) -> Outcome<()> {
+    if !(0.0..=1000.0).contains(&args.speed) {
+        return Err(wrong("--speed", lang));
+    }
+    let parts = Parts {
+        inputs: inputs(&args, lang)?,
+        outputs: Vec::new(),
+        access: access(args.listen.as_deref(), lang)?,
+        known: known(&args.alignment, lang)?,
+    };
+    let pairs = args.pair.iter().map(|pair| {
+        let (node, body) = pair.split_once('=').ok_or_else(|| wrong("--pair", lang))?;
+        Ok((node.to_owned(), body.to_owned()))
+    });
+    let settings = Settings {
+        axes: if args.demo { Axes::YUp } else { Axes::from_name(&args.optical_axes).unwrap_or(Axes::YUp) },
+        pairs: pairs.collect::<Outcome<_>>()?,
+        record: args.record.clone().unwrap_or_else(|| PathBuf::from(RECORDING)),
+        record_now: args.record.is_some(),
+        demo: args.demo,
+        lang,
+        ..Settings::default()
+    };
+    let stop = stop_flag();
+    if let Some(for_s) = args.for_s.filter(|s| s.is_finite() && *s >= 0.0) {
+        let stop = Arc::clone(&stop);
+        std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_secs_f64(for_s.min(1e6)));
+            stop.store(true, Ordering::Relaxed);
+        });
+    }
+    let address = parts.access.address;
+    let hub = run_hub(settings, parts, &stop, |serving| announce(serving, args.json, lang));
+    let hub = hub.map_err(|error| {
+        Failure::input(say(
+            lang,
+            format!("{address}: {error}; choose another port with --listen 127.0.0.1:PORT"),
+            format!("{address}：{error}。--listen 127.0.0.1:PORT で別のポートを指定してください"),
+        ))
+    })?;
+    let (lost, samples) = hub.losses();
+    eprintln!(
+        "{}",
+        say(lang, format!("{samples} samples, {lost} lost"), format!("{samples} サンプル、欠落 {lost}"))
+    );
+    Ok(())
+}
+
+fn announce(serving: &Serving, as_json: bool, lang: Lang) {
+    let url = serving.url();
+    if as_json {
+        println!("{}", json!({"url": url, "token": serving.access.token}));
+    } else {
+        println!("{url}");
+    }
+    // nobody reads it: the viewer works all the same
+    let _ = io::stdout().flush();
+    eprintln!(
+        "{}",
+        say(
+            lang,
+            "open this address in a browser; Ctrl-C stops",
+            "このアドレスをブラウザで開いてください。Ctrl-C で終了します",
+        )
+    );
+}
+
+fn wrong(what: &str, lang: Lang) -> Failure {
+    Failure::input(say(
+        lang,
+        format!("{what}: out of range or not of the form that --help shows"),
+        format!("{what} が範囲外か、--help に示す形式と異なります"),
+    ))
+}
+
+fn access(listen: Option<&str>, lang: Lang) -> Outcome<Access> {
+    let Some(listen) = listen else { return Ok(Access::loopback(PORT)) };
+    let address = listen
+        .parse::<SocketAddr>()
+        .or_else(|_| listen.parse::<IpAddr>().map(|ip| SocketAddr::from((ip, PORT))))
+        .map_err(|_| wrong("--listen", lang))?;
+    Access::listen(address).map_err(|error| Failure::input(format!("{listen}: {error}")))
+}
+
+fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
+    let mut inputs: Vec<Box<dyn Input>> = Vec::new();
+    if args.demo {
+        inputs.push(Box::new(Demo::new(SEED)));
+    }
+    for port in &args.serial {
+        inputs.push(Box::new(Serial { port: port.clone() }));
+    }
+    for path in &args.replay {
+        let unreadable = |error: io::Error| {
+            let shown = path.display();
+            Failure::input(say(
+                lang,
+                format!("{shown}: {error}; a recording of shisei record or shisei live is expected"),
+                format!("{shown}：{error}。shisei record または shisei live の記録を指定してください"),
+            ))
+        };
+        let file = std::fs::read(path).map_err(unreadable)?;
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        inputs.push(Box::new(Replay::new(&name, &file, args.speed).map_err(unreadable)?));
+    }
+    if inputs.is_empty() {
+        return Err(Failure::input(say(
+            lang,
+            "nothing to show: give --serial PORT, --natnet HOST or --replay TAKE.mcap, or try --demo",
+            "表示するデータがありません。--serial PORT、--natnet HOST、--replay TAKE.mcap を指定するか、--demo をお試しください",
+        )));
+    }
+    Ok(inputs)
+}
+
+/// What `shisei fuse --json` found, by the bodies' names.
+fn known(paths: &[PathBuf], lang: Lang) -> Outcome<BTreeMap<String, Mounting>> {
+    let mut known = BTreeMap::new();
+    for path in paths {
+        let (name, mounting) = mounting(path).ok_or_else(|| {
+            let shown = path.display();
+            Failure::input(say(
+                lang,
+                format!("{shown}: not what shisei fuse --json prints"),
+                format!("{shown} は shisei fuse --json の出力ではありません"),
+            ))
+        })?;
+        known.insert(name, mounting);
+    }
+    Ok(known)
+}
+
+fn mounting(path: &Path) -> Option<(String, Mounting)> {
+    let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+    Mounting::parse(&value)
+}
+
+/// A receiver on a serial port, waited for when it is gone.
+struct Serial {
+    port: String,
+}
+
+impl Input for Serial {
+    fn name(&self) -> String {
+        self.port.clone()
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Serial
+    }
+
+    fn run(self: Box<Self>, line: &Line) {
+        let name: Arc<str> = self.port.rsplit(['/', '\\']).next().unwrap_or("port").into();
+        let mut bytes = [0; 4096];
+        while !line.stopped() {
+            let Ok(mut feed) = Feed::open(&self.port) else {
+                std::thread::sleep(RETRY);
+                continue;
+            };
+            line.give(&name, What::State(State::Connected));
+            while !line.stopped() {
+                match feed.read(&mut bytes) {
+                    Ok(Got::Bytes(count)) => {
+                        let bytes = bytes.get(..count).unwrap_or_default().to_vec();
+                        if !line.give(&name, What::Serial(bytes)) {
+                            return;
+                        }
+                    }
+                    Ok(Got::Nothing) => {}
+                    Ok(Got::End) => {
+                        line.give(&name, What::End);
+                        return;
+                    }
+                    Err(_) => {
+                        line.give(&name, What::State(State::Lost));
+                        break;
+                    }
+                }
+            }
+        }
+    }
+}
