@@ -14,7 +14,7 @@ namespace Shisei.Unity
     public sealed class ShiseiStream : MonoBehaviour
     {
         [Tooltip("As `shisei live` prints it, with ?token=… where there is one.")]
-        [SerializeField] private string address = "ws://127.0.0.1:7878/stream";
+        [SerializeField] private string address = "ws://127.0.0.1:7399/stream";
 
         [Tooltip("Seconds that poses are shown late, so that there is one on either side to go between.")]
         [Range(0f, 0.5f)]
