@@ -40,6 +40,8 @@ pub enum Command {
     Devices(crate::args_live::Devices),
     /// Record what a receiver sends
     Record(crate::args_live::Record),
+    /// Show sensors and cameras together, live, in a browser; record, replay and pass on
+    Live(crate::args_live::Live),
     /// Simulate what is not at hand
     Simulate(crate::args_live::Simulate),
 }

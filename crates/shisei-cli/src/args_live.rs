@@ -1,4 +1,4 @@
-//! The command line of `devices`, `record` and `simulate`.
+//! The command line of `devices`, `record`, `live` and `simulate`.
 
 use std::path::PathBuf;
 
@@ -44,6 +44,43 @@ pub struct Record {
     #[arg(long)]
     pub force: bool,
     /// One JSON object on standard output: what was recorded
+    #[arg(long)]
+    pub json: bool,
+}
+
+#[derive(Args, Debug)]
+pub struct Live {
+    /// A receiver's serial port; may be repeated
+    #[arg(long = "serial", value_name = "PORT")]
+    pub serial: Vec<String>,
+    /// Play a recording as if it happened now; may be repeated
+    #[arg(long, value_name = "TAKE.mcap")]
+    pub replay: Vec<PathBuf>,
+    /// How fast recordings are played: 1 as they were, 0 as fast as possible
+    #[arg(long, value_name = "X", default_value_t = 1.0)]
+    pub speed: f64,
+    /// A simulated laboratory and cameras: works without any hardware
+    #[arg(long)]
+    pub demo: bool,
+    /// Record from the start; without it, recordings begun in the viewer go to shisei-live.mcap
+    #[arg(long, value_name = "TAKE.mcap")]
+    pub record: Option<PathBuf>,
+    /// Address of the viewer, ADDR or ADDR:PORT; another than this machine's needs the token that is printed
+    #[arg(long, value_name = "ADDR")]
+    pub listen: Option<String>,
+    /// Axes of the cameras' world: y-up (Motive's default) or z-up
+    #[arg(long, value_name = "AXES", default_value = "y-up", value_parser = ["y-up", "z-up"])]
+    pub optical_axes: String,
+    /// A node that is on a body, by names; without it bodies are found by their motion. May be repeated
+    #[arg(long, value_name = "NODE=BODY")]
+    pub pair: Vec<String>,
+    /// What `shisei fuse --json` printed: how the sensor sits on its body
+    #[arg(long, value_name = "FUSE.json")]
+    pub alignment: Vec<PathBuf>,
+    /// Stop after so many seconds (default: Ctrl-C stops)
+    #[arg(long = "for", value_name = "S")]
+    pub for_s: Option<f64>,
+    /// One JSON object on standard output at the start: the viewer's address
     #[arg(long)]
     pub json: bool,
 }

@@ -8,6 +8,7 @@ mod args_measure;
 mod batch;
 mod calibration;
 mod cmd;
+mod demo;
 mod fail;
 mod fuse_inputs;
 mod fuse_report;
@@ -81,6 +82,7 @@ fn run(arguments: &[std::ffi::OsString], lang: Lang) -> Outcome<()> {
         Command::Earth(args) => cmd::earth::run(&args, lang),
         Command::Devices(args) => cmd::devices::run(&args, lang),
         Command::Record(args) => cmd::record::run(&args, lang),
+        Command::Live(args) => cmd::live::run(args, lang),
         Command::Simulate(args) => cmd::simulate::run(&args, lang),
     }
 }

@@ -16,6 +16,8 @@
 extern crate alloc;
 
 #[cfg(feature = "alloc")]
+pub mod alignment;
+#[cfg(feature = "alloc")]
 pub mod allan;
 pub mod calibration;
 pub mod clock;

@@ -2,13 +2,19 @@
 //!
 //! - [`session`]: bytes of the serial line in; samples with time and frame, events, losses and clock quality out;
 //! - [`take`]: an MCAP recording of raw bytes and decoded samples that loses at most half a second when it is cut;
-//! - [`read`]: such a recording back, whole or cut.
+//! - [`read`]: such a recording back, whole or cut;
+//! - [`natnet`]: the stream of OptiTrack's Motive, decoded and encoded;
+//! - [`live`]: sensors and cameras together, as poses with their source and expected error;
+//! - [`server`]: the page, the stream and the status, for browsers and programs.
 //!
-//! Nothing here opens a port or a file: a door gives bytes and a writer.
+//! Nothing here opens a serial port: a door gives bytes, through [`live::Input`] or straight to a [`Session`].
 #![warn(missing_docs)]
 
 mod cdr;
+pub mod live;
+pub mod natnet;
 pub mod read;
+pub mod server;
 pub mod session;
 pub mod take;
 

@@ -5,7 +5,12 @@
 //! | `/raw/PORT` | the bytes of the line as they came, unreadable ones too; [`crate::Session`] decodes them anew |
 //! | `/imu/N` | samples of the node at place N, `sensor_msgs/msg/Imu` |
 //! | `/sample/N` | the same samples with boot, sequence number, time and frame index, JSON |
+//! | `/optical/BODY` | a body as the cameras saw it, `geometry_msgs/msg/PoseStamped`, z up |
+//! | `/pose/BODY` | the body as it was given out, the same |
+//! | `/fused/BODY` | the same with source, gap and expected errors, JSON |
 //! | `/event` | what happened, JSON |
+//!
+//! With several receivers the nodes of the second and later ones are called `PORT-N`.
 //!
 //! Chunks are built in memory and written whole, so a cut file ends at most in one torn chunk. [`Take::flush`] is to
 //! be called at least every half second.
@@ -17,8 +22,10 @@ use std::sync::{Arc, Mutex};
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use serde_json::json;
+use shisei_core::frames::Pose;
 
 use crate::cdr;
+use crate::live::scene::Shown;
 use crate::session::{Item, Sample};
 
 /// A recording as it is written.
@@ -28,8 +35,10 @@ pub struct Take<W: Write> {
     port: String,
     channels: BTreeMap<String, u16>,
     sequence: u32,
-    /// What the receiver's clock shows at 0 ns: the smallest delay seen.
-    receiver_to_unix_ns: Option<i128>,
+    /// What each receiver's clock shows at 0 ns: the smallest delay seen.
+    receiver_to_unix_ns: BTreeMap<String, i128>,
+    /// The receiver whose nodes are called by their numbers alone.
+    first_port: Option<String>,
 }
 
 impl<W: Write> std::fmt::Debug for Take<W> {
@@ -97,7 +106,8 @@ impl<W: Write> Take<W> {
             port: port.to_owned(),
             channels: BTreeMap::new(),
             sequence: 0,
-            receiver_to_unix_ns: None,
+            receiver_to_unix_ns: BTreeMap::new(),
+            first_port: None,
         };
         take.flush()?;
         Ok(take)
@@ -105,18 +115,32 @@ impl<W: Write> Take<W> {
 
     /// Bytes of the line that came at a time, ns since 1970.
     pub fn raw(&mut self, bytes: &[u8], unix_ns: u64) -> io::Result<()> {
-        let topic = format!("/raw/{}", self.port);
-        self.message(&topic, None, unix_ns, unix_ns, bytes)
+        let port = self.port.clone();
+        self.raw_of(&port, bytes, unix_ns)
+    }
+
+    /// The same of a port of this name.
+    pub fn raw_of(&mut self, port: &str, bytes: &[u8], unix_ns: u64) -> io::Result<()> {
+        self.message(&format!("/raw/{port}"), None, unix_ns, unix_ns, bytes)
     }
 
     /// Something that a session told at a time, ns since 1970. `receiver_s` is the receiver's newest time.
     pub fn item(&mut self, item: &Item, receiver_s: f64, unix_ns: u64) -> io::Result<()> {
+        let port = self.port.clone();
+        self.item_of(&port, item, receiver_s, unix_ns)
+    }
+
+    /// The same of the receiver on a port of this name.
+    pub fn item_of(&mut self, port: &str, item: &Item, receiver_s: f64, unix_ns: u64) -> io::Result<()> {
         match item {
             Item::Sample(sample) => {
                 let stamp_ns =
-                    sample.time_s.map_or(unix_ns, |time_s| self.stamp(time_s, receiver_s, unix_ns));
+                    sample.time_s.map_or(unix_ns, |time_s| self.stamp(port, time_s, receiver_s, unix_ns));
                 let (imu, columns) = (cdr::imu(sample, stamp_ns), columns(sample));
-                let node = sample.node;
+                let node = match self.first_port.get_or_insert_with(|| port.to_owned()) {
+                    first if first == port => sample.node.to_string(),
+                    _ => format!("{port}-{}", sample.node),
+                };
                 self.message(&format!("/imu/{node}"), Some(&IMU), unix_ns, stamp_ns, &imu)?;
                 self.message(
                     &format!("/sample/{node}"),
@@ -154,6 +178,39 @@ impl<W: Write> Take<W> {
         }
     }
 
+    /// A body in a frame as the cameras saw it, at a time, ns since 1970. Names within a path are divided by `/`.
+    pub fn optical(&mut self, path: &str, pose: &Pose, frame: i64, unix_ns: u64) -> io::Result<()> {
+        let message = cdr::pose(pose, &format!("frame {frame}"), unix_ns);
+        self.message(&format!("/optical/{path}"), Some(&POSE), unix_ns, unix_ns, &message)
+    }
+
+    /// A body as it was given out at a time, ns since 1970.
+    pub fn pose(&mut self, path: &str, shown: &Shown, unix_ns: u64) -> io::Result<()> {
+        let known = |value: f64, scale: f64| value.is_finite().then_some(value * scale);
+        let p = shown.pose.position_m.map(|x| x.is_finite().then_some(x).filter(|_| shown.placed));
+        let fused = json!({
+            "time_s": known(shown.time_s, 1.0),
+            "p_m": p,
+            "q_wxyz": shown.pose.world_from_body.to_array(),
+            "source": shown.source.name(),
+            "gap_s": shown.gap_s,
+            "sigma_deg": known(shown.sigma_rad, 1f64.to_degrees()),
+            "sigma_mm": known(shown.sigma_m, 1e3),
+        });
+        self.message(
+            &format!("/fused/{path}"),
+            Some(&FUSED),
+            unix_ns,
+            unix_ns,
+            fused.to_string().as_bytes(),
+        )?;
+        if !shown.placed {
+            return Ok(());
+        }
+        let message = cdr::pose(&shown.pose, "world", unix_ns);
+        self.message(&format!("/pose/{path}"), Some(&POSE), unix_ns, unix_ns, &message)
+    }
+
     /// Something that the door noticed: a port that is gone or back.
     pub fn note(&mut self, what: &str, unix_ns: u64) -> io::Result<()> {
         self.event(unix_ns, &json!({"event": what}))
@@ -164,10 +221,10 @@ impl<W: Write> Take<W> {
     }
 
     /// A receiver's time as time of day: the line only ever delays, so the smallest delay is the best guess.
-    fn stamp(&mut self, time_s: f64, receiver_s: f64, unix_ns: u64) -> u64 {
+    fn stamp(&mut self, port: &str, time_s: f64, receiver_s: f64, unix_ns: u64) -> u64 {
         let difference = i128::from(unix_ns) - (receiver_s * 1e9) as i128;
-        let known = self.receiver_to_unix_ns.map_or(difference, |known| known.min(difference));
-        self.receiver_to_unix_ns = Some(known);
+        let known = self.receiver_to_unix_ns.get(port).map_or(difference, |known| (*known).min(difference));
+        self.receiver_to_unix_ns.insert(port.to_owned(), known);
         ((time_s * 1e9) as i128 + known).clamp(0, i128::from(u64::MAX)) as u64
     }
 
@@ -243,6 +300,14 @@ struct Schema {
 
 const IMU: Schema =
     Schema { name: cdr::NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::DEFINITION };
+const POSE: Schema =
+    Schema { name: cdr::POSE_NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::POSE_DEFINITION };
+const FUSED: Schema = Schema {
+    name: "shisei.Fused",
+    encoding: "jsonschema",
+    message_encoding: "json",
+    text: r#"{"type":"object","properties":{"time_s":{"type":["number","null"]},"p_m":{"type":"array","items":{"type":["number","null"]}},"q_wxyz":{"type":"array","items":{"type":"number"}},"source":{"type":"string"},"gap_s":{"type":"number"},"sigma_deg":{"type":["number","null"]},"sigma_mm":{"type":["number","null"]}}}"#,
+};
 const SAMPLE: Schema = Schema {
     name: "shisei.Sample",
     encoding: "jsonschema",

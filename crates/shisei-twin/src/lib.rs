@@ -8,6 +8,7 @@
 //! - [`movements`]: movements for tests and demonstrations;
 //! - [`optics`]: cameras that film the body, with a clock, noise and losses of their own;
 //! - [`motive`]: what they saw as Motive's tracking CSV;
+//! - [`stage`]: cameras that film a running laboratory and a dancer, frame by frame;
 //! - [`lab`]: nodes, radio links, camera pulses and a receiver without hardware;
 //! - [`recordings`]: the recordings in `examples/` and their truth.
 //!
@@ -26,6 +27,7 @@ pub mod random;
 pub mod recordings;
 pub mod sensor;
 pub mod simulate;
+pub mod stage;
 
 pub use curve::{Curve, Jet};
 pub use imu::{World, ideal_imu};

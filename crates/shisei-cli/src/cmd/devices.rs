@@ -12,7 +12,7 @@ use shisei_wire::message::{Command, EventCode, Hello, MESSAGE_MAX, NO_NODE, Sett
 use shisei_wire::packet::FilterKind;
 use shisei_wire::{AccRange, GyroRange, Message, encode_frame};
 
-use super::live::{Feed, Got, no_port};
+use super::ports::{Feed, Got, no_port};
 use crate::args_live::Devices;
 use crate::fail::{Failure, Outcome, say};
 

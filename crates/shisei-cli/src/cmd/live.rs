@@ -1,92 +1,213 @@
-//! What `devices`, `record` and `simulate` share: ports, times, an orderly stop.
+//! `shisei live`: sensors and cameras together, in a browser.
 
-use std::fs::File;
-use std::io::{self, Read};
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::net::{IpAddr, SocketAddr};
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::sync::atomic::Ordering;
+use std::time::Duration;
 
+use serde_json::{Value, json};
 use shisei_core::Lang;
+use shisei_core::frames::Axes;
+use shisei_hub::live::{Input, Kind, Line, Mounting, Parts, Replay, Settings, State, What, run as run_hub};
+use shisei_hub::server::{Access, Serving};
 
-use crate::fail::{Failure, say};
+use super::ports::{Feed, Got, stop_flag};
+use crate::args_live::Live;
+use crate::demo::Demo;
+use crate::fail::{Failure, Outcome, say};
 
-/// How long a read waits, ms: what has come is handled at least this often.
-const READ_MS: u64 = 20;
-/// USB serial ports have no rate; real ones do.
-const BAUD: u32 = 1_000_000;
+/// Where the viewer is unless said otherwise.
+const PORT: u16 = 7399;
+/// Where recordings go that are begun in the viewer.
+const RECORDING: &str = "shisei-live.mcap";
+/// From one try to open a lost port to the next.
+const RETRY: Duration = Duration::from_millis(300);
+/// Seed of the demonstration.
+const SEED: u64 = 7;
 
-/// Where a receiver's bytes come from.
-pub enum Feed {
-    /// A serial port.
-    Port(Box<dyn serialport::SerialPort>),
-    /// A file of bytes.
-    File(File),
-}
-
-/// What a read gave.
-pub enum Got {
-    /// So many bytes.
-    Bytes(usize),
-    /// Nothing now.
-    Nothing,
-    /// The end of a file.
-    End,
-}
-
-impl Feed {
-    /// Opens a port, or a file of bytes.
-    pub fn open(name: &str) -> io::Result<Self> {
-        if std::fs::metadata(name).is_ok_and(|meta| meta.is_file()) {
-            return File::open(name).map(Feed::File);
-        }
-        let port = serialport::new(name, BAUD).timeout(Duration::from_millis(READ_MS)).open()?;
-        Ok(Feed::Port(port))
+/// Runs the command.
+pub fn run(args: Live, lang: Lang) -> Outcome<()> {
+    if !(0.0..=1000.0).contains(&args.speed) {
+        return Err(wrong("--speed", lang));
     }
-
-    /// Reads what is there, waiting a little. An error means that the port is gone.
-    pub fn read(&mut self, bytes: &mut [u8]) -> io::Result<Got> {
-        let read = match self {
-            Feed::File(file) => {
-                let count = file.read(bytes)?;
-                return Ok(if count == 0 { Got::End } else { Got::Bytes(count) });
-            }
-            Feed::Port(port) => port.read(bytes),
-        };
-        match read {
-            // A terminal whose other side is closed reads as empty, without waiting.
-            Ok(0) => Err(io::ErrorKind::BrokenPipe.into()),
-            Ok(count) => Ok(Got::Bytes(count)),
-            Err(error) if matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::Interrupted) => {
-                Ok(Got::Nothing)
-            }
-            Err(error) => Err(error),
-        }
+    let parts = Parts {
+        inputs: inputs(&args, lang)?,
+        outputs: Vec::new(),
+        access: access(args.listen.as_deref(), lang)?,
+        known: known(&args.alignment, lang)?,
+    };
+    let pairs = args.pair.iter().map(|pair| {
+        let (node, body) = pair.split_once('=').ok_or_else(|| wrong("--pair", lang))?;
+        Ok((node.to_owned(), body.to_owned()))
+    });
+    let settings = Settings {
+        axes: if args.demo { Axes::YUp } else { Axes::from_name(&args.optical_axes).unwrap_or(Axes::YUp) },
+        pairs: pairs.collect::<Outcome<_>>()?,
+        record: args.record.clone().unwrap_or_else(|| PathBuf::from(RECORDING)),
+        record_now: args.record.is_some(),
+        demo: args.demo,
+        lang,
+        ..Settings::default()
+    };
+    let stop = stop_flag();
+    if let Some(for_s) = args.for_s.filter(|s| s.is_finite() && *s >= 0.0) {
+        let stop = Arc::clone(&stop);
+        std::thread::spawn(move || {
+            std::thread::sleep(Duration::from_secs_f64(for_s.min(1e6)));
+            stop.store(true, Ordering::Relaxed);
+        });
     }
+    let address = parts.access.address;
+    let hub = run_hub(settings, parts, &stop, |serving| announce(serving, args.json, lang));
+    let hub = hub.map_err(|error| {
+        Failure::input(say(
+            lang,
+            format!("{address}: {error}; choose another port with --listen 127.0.0.1:PORT"),
+            format!("{address}：{error}。--listen 127.0.0.1:PORT で別のポートを指定してください"),
+        ))
+    })?;
+    let (lost, samples) = hub.losses();
+    eprintln!(
+        "{}",
+        say(lang, format!("{samples} samples, {lost} lost"), format!("{samples} サンプル、欠落 {lost}"))
+    );
+    Ok(())
 }
 
-/// The sentence for a port that does not open.
-pub fn no_port(name: &str, error: &io::Error, lang: Lang) -> Failure {
+fn announce(serving: &Serving, as_json: bool, lang: Lang) {
+    let url = serving.url();
+    if as_json {
+        println!("{}", json!({"url": url, "token": serving.access.token}));
+    } else {
+        println!("{url}");
+    }
+    // nobody reads it: the viewer works all the same
+    let _ = io::stdout().flush();
+    eprintln!(
+        "{}",
+        say(
+            lang,
+            "open this address in a browser; Ctrl-C stops",
+            "このアドレスをブラウザで開いてください。Ctrl-C で終了します",
+        )
+    );
+}
+
+fn wrong(what: &str, lang: Lang) -> Failure {
     Failure::input(say(
         lang,
-        format!(
-            "{name}: {error}; is the receiver plugged in, and no other program using the port? `shisei devices` lists ports"
-        ),
-        format!(
-            "{name}：{error}。レシーバの接続と、他のプログラムがポートを使用していないことを確認してください。ポートの一覧は shisei devices で表示できます"
-        ),
+        format!("{what}: out of range or not of the form that --help shows"),
+        format!("{what} が範囲外か、--help に示す形式と異なります"),
     ))
 }
 
-/// Set when the user wants to stop: Ctrl-C, or the system ends the program.
-pub fn stop_flag() -> Arc<AtomicBool> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let set = Arc::clone(&stop);
-    // Where there is no such thing as Ctrl-C the program simply ends; recordings survive that.
-    let _ = ctrlc::set_handler(move || set.store(true, Ordering::Relaxed));
-    stop
+fn access(listen: Option<&str>, lang: Lang) -> Outcome<Access> {
+    let Some(listen) = listen else { return Ok(Access::loopback(PORT)) };
+    let address = listen
+        .parse::<SocketAddr>()
+        .or_else(|_| listen.parse::<IpAddr>().map(|ip| SocketAddr::from((ip, PORT))))
+        .map_err(|_| wrong("--listen", lang))?;
+    Access::listen(address).map_err(|error| Failure::input(format!("{listen}: {error}")))
 }
 
-/// Now, ns since 1970.
-pub fn unix_ns() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
+fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
+    let mut inputs: Vec<Box<dyn Input>> = Vec::new();
+    if args.demo {
+        inputs.push(Box::new(Demo::new(SEED)));
+    }
+    for port in &args.serial {
+        inputs.push(Box::new(Serial { port: port.clone() }));
+    }
+    for path in &args.replay {
+        let unreadable = |error: io::Error| {
+            let shown = path.display();
+            Failure::input(say(
+                lang,
+                format!("{shown}: {error}; a recording of shisei record or shisei live is expected"),
+                format!("{shown}：{error}。shisei record または shisei live の記録を指定してください"),
+            ))
+        };
+        let file = std::fs::read(path).map_err(unreadable)?;
+        let name = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        inputs.push(Box::new(Replay::new(&name, &file, args.speed).map_err(unreadable)?));
+    }
+    if inputs.is_empty() {
+        return Err(Failure::input(say(
+            lang,
+            "nothing to show: give --serial PORT, --natnet HOST or --replay TAKE.mcap, or try --demo",
+            "表示するデータがありません。--serial PORT、--natnet HOST、--replay TAKE.mcap を指定するか、--demo をお試しください",
+        )));
+    }
+    Ok(inputs)
+}
+
+/// What `shisei fuse --json` found, by the bodies' names.
+fn known(paths: &[PathBuf], lang: Lang) -> Outcome<BTreeMap<String, Mounting>> {
+    let mut known = BTreeMap::new();
+    for path in paths {
+        let (name, mounting) = mounting(path).ok_or_else(|| {
+            let shown = path.display();
+            Failure::input(say(
+                lang,
+                format!("{shown}: not what shisei fuse --json prints"),
+                format!("{shown} は shisei fuse --json の出力ではありません"),
+            ))
+        })?;
+        known.insert(name, mounting);
+    }
+    Ok(known)
+}
+
+fn mounting(path: &Path) -> Option<(String, Mounting)> {
+    let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+    Mounting::parse(&value)
+}
+
+/// A receiver on a serial port, waited for when it is gone.
+struct Serial {
+    port: String,
+}
+
+impl Input for Serial {
+    fn name(&self) -> String {
+        self.port.clone()
+    }
+
+    fn kind(&self) -> Kind {
+        Kind::Serial
+    }
+
+    fn run(self: Box<Self>, line: &Line) {
+        let name: Arc<str> = self.port.rsplit(['/', '\\']).next().unwrap_or("port").into();
+        let mut bytes = [0; 4096];
+        while !line.stopped() {
+            let Ok(mut feed) = Feed::open(&self.port) else {
+                std::thread::sleep(RETRY);
+                continue;
+            };
+            line.give(&name, What::State(State::Connected));
+            while !line.stopped() {
+                match feed.read(&mut bytes) {
+                    Ok(Got::Bytes(count)) => {
+                        let bytes = bytes.get(..count).unwrap_or_default().to_vec();
+                        if !line.give(&name, What::Serial(bytes)) {
+                            return;
+                        }
+                    }
+                    Ok(Got::Nothing) => {}
+                    Ok(Got::End) => {
+                        line.give(&name, What::End);
+                        return;
+                    }
+                    Err(_) => {
+                        line.give(&name, What::State(State::Lost));
+                        break;
+                    }
+                }
+            }
+        }
+    }
 }

@@ -12,7 +12,7 @@ use shisei_core::Lang;
 use shisei_hub::{Item, Session, Take};
 use shisei_wire::message::EventCode;
 
-use super::live::{Feed, Got, no_port, stop_flag, unix_ns};
+use super::ports::{Feed, Got, no_port, stop_flag, unix_ns};
 use crate::args_live::Record;
 use crate::fail::{Failure, Outcome, say};
 

@@ -99,7 +99,7 @@ mod port {
     use shisei_twin::lab::{Lab, Settings};
 
     use super::LOOK_S;
-    use crate::cmd::live::stop_flag;
+    use crate::cmd::ports::stop_flag;
     use crate::fail::{Failure, Outcome, say};
 
     /// Offers a pseudo-terminal in real time and prints its name.

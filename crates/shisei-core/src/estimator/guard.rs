@@ -64,6 +64,11 @@ fn readable(v: Vec3, limit: f64) -> bool {
 }
 
 impl Guard {
+    /// The newest rate, rad/s.
+    pub(super) fn last_rate(&self) -> Option<Vec3> {
+        self.last.map(|last| last.gyro)
+    }
+
     pub(super) fn check(&mut self, sample: &Sample, settings: &Settings) -> Checked {
         let dt = sample.dt_s;
         if !(dt > 0.0 && dt < f64::INFINITY) {

@@ -8,7 +8,7 @@
 //! - [`Estimator`]: live, sample by sample, without an allocator; [`LightEstimator`]: smaller, for microcontrollers;
 //! - [`FixedLag`]: live with a delay of up to a few seconds;
 //! - [`smooth`]: a recording;
-//! - [`bridge`]: a recording that an optical system sees most of the time;
+//! - [`bridge`]: a recording that an optical system sees most of the time; [`LiveBridge`]: the same live;
 //! - [`Calibration`]: what was learnt of a sensor, to start from.
 // What the backward pass reads is written by the forward pass, which is there without an allocator too.
 #![cfg_attr(not(feature = "alloc"), allow(dead_code))]
@@ -25,6 +25,8 @@ mod guard;
 mod lag;
 mod level;
 mod light;
+#[cfg(feature = "alloc")]
+mod live_bridge;
 mod model;
 mod online;
 mod rest;
@@ -45,6 +47,8 @@ pub use guard::Sample;
 #[cfg(feature = "alloc")]
 pub use lag::FixedLag;
 pub use light::LightEstimator;
+#[cfg(feature = "alloc")]
+pub use live_bridge::LiveBridge;
 pub use online::{Estimator, State};
 pub use rest::RestLimits;
 pub use settings::{Model, Settings};

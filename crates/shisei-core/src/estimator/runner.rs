@@ -129,6 +129,11 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         if due { self.close(pose) } else { Event::Moved }
     }
 
+    /// The newest rate that the filters took, corrected by what was known of the sensor beforehand, rad/s.
+    pub(super) fn last_rate(&self) -> Option<Vec3> {
+        self.guard.last_rate()
+    }
+
     /// Ends a level that is still being found; false where there is none.
     pub(super) fn finish_level(&mut self) -> bool {
         let Some(level) = self.level else { return false };

@@ -231,6 +231,12 @@ impl Lab {
         Some(node.motion.state(node.movement_time_s(time_s)).world_from_body)
     }
 
+    /// A node's true attitude and position.
+    pub fn state(&self, node: usize, time_s: f64) -> Option<crate::motion::State> {
+        let node = self.nodes.get(node)?;
+        Some(node.motion.state(node.movement_time_s(time_s)))
+    }
+
     /// A node's light is on.
     pub fn light(&self, node: usize) -> bool {
         self.nodes.get(node).is_some_and(|node| node.board.light)

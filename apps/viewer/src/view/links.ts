@@ -1,0 +1,104 @@
+// All lines of the picture in one draw call: round bars between two points, tapered, drawn through, dashed or dotted.
+// A frame writes numbers into arrays that are there already.
+
+import * as THREE from "three";
+import type { Pattern } from "../source";
+import { Column } from "./column";
+
+const VERTEX = /* glsl */ `
+attribute vec4 start; attribute vec4 end; attribute vec4 tint; attribute float pattern;
+uniform float pixel;
+varying vec4 vTint; varying float vAlong; varying float vLength; varying float vPattern; varying float vShade;
+void main() {
+  vec3 way = end.xyz - start.xyz;
+  float reach = max(length(way), 1e-6);
+  vec3 ahead = way / reach;
+  vec3 side = normalize(abs(ahead.z) < 0.9 ? cross(ahead, vec3(0., 0., 1.)) : cross(ahead, vec3(1., 0., 0.)));
+  vec3 other = cross(ahead, side);
+  vec3 along = start.xyz + way * position.z;
+  float depth = -(viewMatrix * vec4(along, 1.)).z;
+  float radius = max(mix(start.w, end.w, position.z), 0.55 * pixel * max(depth, 0.01));
+  vec3 outward = side * position.x + other * position.y;
+  vec3 seen = normalize((viewMatrix * vec4(outward, 0.)).xyz);
+  vShade = 0.74 + 0.26 * clamp(dot(seen, normalize(vec3(-0.3, 0.7, 0.65))), -1., 1.);
+  vTint = tint; vAlong = reach * position.z; vLength = reach; vPattern = pattern;
+  gl_Position = projectionMatrix * viewMatrix * vec4(along + outward * radius, 1.);
+}`;
+
+const FRAGMENT = /* glsl */ `
+varying vec4 vTint; varying float vAlong; varying float vLength; varying float vPattern; varying float vShade;
+void main() {
+  if (vPattern > 0.5) {
+    float wanted = vPattern < 1.5 ? 0.05 : 0.024;
+    float period = vLength / max(1., floor(vLength / wanted + 0.5));
+    float at = fract(vAlong / period + 0.25);
+    if (at > (vPattern < 1.5 ? 0.58 : 0.42)) discard;
+  }
+  gl_FragColor = vec4(vTint.rgb * vShade, vTint.a);
+}`;
+
+const ROUND = 8;
+
+export class Links {
+  readonly mesh: THREE.Mesh;
+  private readonly start: Column;
+  private readonly end: Column;
+  private readonly tint: Column;
+  private readonly pattern: Column;
+  private readonly geometry = new THREE.InstancedBufferGeometry();
+  private readonly material: THREE.ShaderMaterial;
+  private count = 0;
+
+  constructor(private readonly most: number) {
+    const bar = new THREE.CylinderGeometry(1, 1, 1, ROUND, 1, true).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+    this.geometry.index = bar.index;
+    this.geometry.setAttribute("position", bar.getAttribute("position"));
+    this.start = new Column(this.geometry, "start", 4, most, true);
+    this.end = new Column(this.geometry, "end", 4, most, true);
+    this.tint = new Column(this.geometry, "tint", 4, most, true);
+    this.pattern = new Column(this.geometry, "pattern", 1, most, true);
+    this.material = new THREE.ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, uniforms: { pixel: { value: 0.001 } } });
+    this.mesh = new THREE.Mesh(this.geometry, this.material);
+    this.mesh.frustumCulled = false;
+    this.mesh.renderOrder = 2;
+  }
+
+  /** Width of a pixel at a distance of 1 m. */
+  setPixel(pixel: number): void {
+    this.material.uniforms["pixel"]!.value = pixel;
+  }
+
+  begin(): void {
+    this.count = 0;
+  }
+
+  add(ax: number, ay: number, az: number, ar: number, bx: number, by: number, bz: number, br: number, rgba: Float32Array, solidity: number, pattern: Pattern): void {
+    if (this.count >= this.most) return;
+    const k = this.count++;
+    const { start, end, tint } = this;
+    const s = start.array;
+    const e = end.array;
+    const t = tint.array;
+    s[4 * k] = ax;
+    s[4 * k + 1] = ay;
+    s[4 * k + 2] = az;
+    s[4 * k + 3] = ar;
+    e[4 * k] = bx;
+    e[4 * k + 1] = by;
+    e[4 * k + 2] = bz;
+    e[4 * k + 3] = br;
+    t[4 * k] = rgba[0]!;
+    t[4 * k + 1] = rgba[1]!;
+    t[4 * k + 2] = rgba[2]!;
+    t[4 * k + 3] = rgba[3]! * solidity;
+    this.pattern.array[k] = pattern;
+  }
+
+  finish(): void {
+    this.geometry.instanceCount = this.count;
+    this.start.upload(this.count);
+    this.end.upload(this.count);
+    this.tint.upload(this.count);
+    this.pattern.upload(this.count);
+  }
+}

@@ -1,0 +1,32 @@
+//! Live: optical and inertial together, now.
+//!
+//! [`input::Input`]s give bytes of receivers and packets of NatNet. [`Hub`] follows both, brings each sensor together
+//! with its body ([`merge`]), finds out which belong together ([`learn`]), and puts the newest of everything on a
+//! [`Board`], from where clients take it.
+
+pub mod board;
+pub mod command;
+pub mod hub;
+pub mod input;
+pub mod learn;
+pub mod merge;
+pub mod meter;
+pub mod mounting;
+mod node;
+pub mod optics;
+pub mod output;
+mod pairing;
+pub mod recorder;
+pub mod replay;
+pub mod run;
+pub mod scene;
+mod status;
+
+pub use board::Board;
+pub use command::Command;
+pub use hub::{Hub, Settings, hello};
+pub use input::{Input, Kind, Line, State, What};
+pub use mounting::Mounting;
+pub use output::Output;
+pub use replay::Replay;
+pub use run::{Parts, run};

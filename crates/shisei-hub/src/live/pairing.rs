@@ -1,0 +1,102 @@
+//! Which node is on which body: by what was said, else by common motion; and the clocks, compared again and again.
+
+use std::time::{Duration, Instant};
+
+use super::hub::Hub;
+use super::learn::Question;
+use super::merge::Clocking;
+use super::optics::BodyKey;
+use super::scene::Key;
+
+/// Least of a node's past that is searched, s.
+const LEAST_S: f64 = 9.0;
+/// From one search for a node to the next, while nothing is found, and to compare clocks that run apart.
+const AGAIN: Duration = Duration::from_secs(4);
+const CLOCKS: Duration = Duration::from_secs(15);
+/// After so many searches near the arrivals' offset the whole past is searched.
+const TRIES: u32 = 3;
+
+impl Hub {
+    /// Nodes whose body was said.
+    pub(super) fn pair_by_name(&mut self) {
+        let pairs = self.settings.pairs.clone();
+        for node in &mut self.nodes {
+            let said = pairs.iter().find(|(name, _)| *name == node.own_name || *name == node.name);
+            let body_name = said.map_or(node.own_name.as_str(), |(_, body)| body.as_str());
+            let body = self.scene.objects().find(|object| object.name == body_name);
+            if let Some(Key::Body(body)) = body.map(|object| object.key)
+                && node.merger.is_none()
+            {
+                node.body = Some(body);
+            }
+        }
+    }
+
+    /// Asks the learner for what is not known, takes its answers.
+    pub(super) fn learn(&mut self, now: Instant) {
+        if let Some(answer) = self.learner.answer() {
+            self.learnt(answer.node, answer.found.as_ref());
+        }
+        if !self.learner.free() || self.optical.past.step_s().is_none() {
+            return;
+        }
+        self.pair_by_name();
+        let taken: Vec<BodyKey> =
+            self.nodes.iter().filter(|node| node.merger.is_some()).filter_map(|node| node.body).collect();
+        let free: Vec<BodyKey> = self
+            .scene
+            .objects()
+            .filter_map(|object| match object.key {
+                Key::Body(body) if !taken.contains(&body) => Some(body),
+                _ => None,
+            })
+            .collect();
+        let due =
+            |asked: Option<Instant>, every| asked.is_none_or(|at| now.saturating_duration_since(at) >= every);
+        let next = self.nodes.iter().enumerate().filter(|(_, node)| node.past.length_s() >= LEAST_S);
+        let next = next.filter(|(_, node)| match &node.merger {
+            None => due(node.asked, AGAIN * (1 + node.tries.min(8))),
+            // counted pulses cannot run apart
+            Some(merger) => {
+                matches!(merger.coupling().clocking, Clocking::Times { .. }) && due(node.asked, CLOCKS)
+            }
+        });
+        let Some((index, node)) = next.min_by_key(|(_, node)| node.asked) else { return };
+        let bodies = match node.body {
+            Some(body) => vec![body],
+            None => free,
+        };
+        if bodies.is_empty() {
+            return;
+        }
+        let question = Question {
+            node: index,
+            samples: node.past.clone(),
+            frames: self.optical.past.clone(),
+            bodies,
+            anywhere: node.tries >= TRIES,
+        };
+        self.nodes[index].asked = Some(now);
+        self.learner.ask(question);
+    }
+
+    fn learnt(&mut self, index: usize, found: Option<&super::learn::Found>) {
+        let Some(node) = self.nodes.get_mut(index) else { return };
+        let Some(found) = found else {
+            node.tries = node.tries.saturating_add(1);
+            return;
+        };
+        // what has been forgotten meanwhile is not to be brought back
+        if node.past.length_s() < LEAST_S {
+            return;
+        }
+        node.tries = 0;
+        match &mut node.merger {
+            Some(merger) => {
+                merger.set_clocking(found.coupling.clocking);
+                node.sync_s = Some(found.sigma_s);
+            }
+            None => self.couple(index, found.body, found.coupling, found.sigma_s),
+        }
+    }
+}

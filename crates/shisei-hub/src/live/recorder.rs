@@ -1,0 +1,208 @@
+//! The recording's own thread: the disk never holds up the stream.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+use super::hub::Hub;
+use super::input::unix_ns;
+use super::scene::Shown;
+use crate::session::Item;
+use crate::take::Take;
+
+/// What was recorded reaches the disk at least this often.
+const FLUSH: Duration = Duration::from_millis(400);
+/// Names that are tried for a recording.
+const NAMES_MAX: u32 = 10_000;
+
+/// What is recorded.
+#[derive(Debug)]
+pub enum Record {
+    /// What came over a port: its name, bytes, when, ns since 1970.
+    Raw(Arc<str>, Vec<u8>, u64),
+    /// What a session told: its port, the receiver's time, s, when.
+    Item(Arc<str>, Box<Item>, f64, u64),
+    /// A body as the cameras saw it: its path, number of the frame, when.
+    Optical(String, Shown, i64, u64),
+    /// A body as it is given out.
+    Pose(String, Shown, u64),
+    /// What happened.
+    Note(String, u64),
+}
+
+/// A recording under way. Ends when it is dropped.
+#[derive(Debug)]
+pub struct Recorder {
+    records: Option<Sender<Record>>,
+    thread: Option<JoinHandle<io::Result<()>>>,
+    path: PathBuf,
+    started: Instant,
+    bytes: Arc<AtomicU64>,
+    failed: Arc<AtomicBool>,
+}
+
+impl Recorder {
+    /// Begins one in a new file: this name, or where it is taken the name with a number.
+    pub fn start(wanted: &Path) -> io::Result<Self> {
+        let (path, file) = create(wanted)?;
+        let (records, taken) = channel();
+        let (bytes, failed) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
+        let (counter, broken) = (Arc::clone(&bytes), Arc::clone(&failed));
+        let thread = std::thread::spawn(move || {
+            let worked = work(file, &taken, &counter);
+            broken.store(worked.is_err(), Ordering::Relaxed);
+            worked
+        });
+        Ok(Recorder {
+            records: Some(records),
+            thread: Some(thread),
+            path,
+            started: Instant::now(),
+            bytes,
+            failed,
+        })
+    }
+
+    /// Takes something to be recorded.
+    pub fn give(&self, record: Record) {
+        if let Some(records) = &self.records {
+            // a thread that has ended has told why: the hub asks `failed`
+            let _ = records.send(record);
+        }
+    }
+
+    /// Writing has failed.
+    pub fn failed(&self) -> bool {
+        self.failed.load(Ordering::Relaxed)
+    }
+
+    /// Where it goes.
+    pub fn file(&self) -> String {
+        self.path.display().to_string()
+    }
+
+    /// How long it is, s.
+    pub fn seconds(&self, now: Instant) -> f64 {
+        now.saturating_duration_since(self.started).as_secs_f64()
+    }
+
+    /// How large it is.
+    pub fn bytes(&self) -> u64 {
+        self.bytes.load(Ordering::Relaxed)
+    }
+
+    /// Ends it: all that was given is written.
+    pub fn end(mut self) -> io::Result<()> {
+        drop(self.records.take());
+        match self.thread.take().map(JoinHandle::join) {
+            Some(Ok(outcome)) => outcome,
+            _ => Err(io::Error::other("recording")),
+        }
+    }
+}
+
+fn create(wanted: &Path) -> io::Result<(PathBuf, File)> {
+    let mut path = wanted.to_owned();
+    for number in 2..NAMES_MAX {
+        match File::create_new(&path) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            opened => return opened.map(|file| (path, file)),
+        }
+        let stem = wanted.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        path = wanted.with_file_name(format!("{stem}-{number}.mcap"));
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
+}
+
+fn work(file: File, records: &Receiver<Record>, bytes: &AtomicU64) -> io::Result<()> {
+    let handle = file.try_clone()?;
+    let mut take = Take::new(file, "live")?;
+    let outcome = fill(&mut take, records, bytes);
+    let written = take.written();
+    if let Err(error) = outcome.and_then(|()| take.finish()) {
+        // what was not written whole is no use to anybody
+        let _ = handle.set_len(written);
+        return Err(error);
+    }
+    Ok(())
+}
+
+fn fill(take: &mut Take<File>, records: &Receiver<Record>, bytes: &AtomicU64) -> io::Result<()> {
+    let mut flushed = Instant::now();
+    loop {
+        match records.recv_timeout(FLUSH) {
+            Ok(record) => write(take, record)?,
+            Err(RecvTimeoutError::Timeout) => {}
+            Err(RecvTimeoutError::Disconnected) => return Ok(()),
+        }
+        if flushed.elapsed() >= FLUSH {
+            take.flush()?;
+            flushed = Instant::now();
+            bytes.store(take.written(), Ordering::Relaxed);
+        }
+    }
+}
+
+fn write(take: &mut Take<File>, record: Record) -> io::Result<()> {
+    match record {
+        Record::Raw(port, bytes, unix_ns) => take.raw_of(&port, &bytes, unix_ns),
+        Record::Item(port, item, receiver_s, unix_ns) => take.item_of(&port, &item, receiver_s, unix_ns),
+        Record::Optical(path, shown, frame, unix_ns) => take.optical(&path, &shown.pose, frame, unix_ns),
+        Record::Pose(path, shown, unix_ns) => take.pose(&path, &shown, unix_ns),
+        Record::Note(what, unix_ns) => take.note(&what, unix_ns),
+    }
+}
+
+impl Hub {
+    /// Begins or ends a recording.
+    pub(super) fn record(&mut self, on: bool) {
+        if on == self.recorder.is_some() {
+            return;
+        }
+        if on {
+            match Recorder::start(&self.settings.record) {
+                Ok(recorder) => {
+                    let now_ns = unix_ns();
+                    for port in &self.ports {
+                        for words in port.words.iter().flatten() {
+                            recorder.give(Record::Raw(Arc::clone(&port.name), words.clone(), now_ns));
+                        }
+                    }
+                    let file = recorder.file();
+                    self.recorder = Some(recorder);
+                    self.note("info", &format!("recording to {file}"), &format!("{file} に記録しています"));
+                }
+                Err(error) => {
+                    let file = self.settings.record.display().to_string();
+                    self.note(
+                        "error",
+                        &format!("{file} could not be written ({error})"),
+                        &format!("{file} に書き込めませんでした ({error})"),
+                    );
+                }
+            }
+        } else if let Some(recorder) = self.recorder.take() {
+            let file = recorder.file();
+            match recorder.end() {
+                Ok(()) => self.note("info", &format!("recorded: {file}"), &format!("記録しました：{file}")),
+                Err(error) => self.note(
+                    "error",
+                    &format!("{file}: {error}; what was recorded before is kept"),
+                    &format!("{file}：{error}。それまでの記録は残っています"),
+                ),
+            }
+        }
+    }
+
+    /// A recording whose disk is full has ended: that is said.
+    pub(super) fn look_after_recording(&mut self) {
+        if self.recorder.as_ref().is_some_and(Recorder::failed) {
+            self.record(false);
+        }
+    }
+}
