@@ -23,6 +23,10 @@ const UPDATE_S: f64 = 0.035;
 const BOUND_FROM_S: f64 = 10.0;
 const BOUND_FULL_S: f64 = 30.0;
 
+/// A rest is only used while the rate is nearer than this to the bias, rad/s (0.1 °/s): its end is found late, and
+/// the first of a movement must not pass for a bias that jumped.
+const REST_RATE_RAD_S: f64 = 0.002;
+
 /// The streaming bridge. Constant time a sample, no allocator.
 #[derive(Clone, Debug)]
 pub struct LiveBridge {
@@ -82,7 +86,9 @@ impl LiveBridge {
         let model = &mut self.runner.engines[0].model;
         (model.speed_floor, model.position_spread) = (density, density);
         let measured = pose.as_ref().map(|pose| (pose, &self.noise));
-        match self.runner.take(sample, None, measured, None) {
+        let rate = vector::sub(sample.gyro_rad_s, self.bridged.state.gyro_bias_rad_s);
+        let turns = vector::norm(rate) > REST_RATE_RAD_S;
+        match self.runner.take(sample, turns.then_some(false), measured, None) {
             Event::Useless => return self.bridged,
             Event::LevelBegins | Event::Levelling | Event::GivenUp => self.placed = false,
             Event::Levelled => self.placed = pose.is_some(),
