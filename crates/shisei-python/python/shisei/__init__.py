@@ -16,7 +16,7 @@ The worksheet functions are in :mod:`shisei.sheet`.
 from . import sheet
 from ._native import ConditionError, DomainError, ShapeError, __version__, set_language
 from .calibration import Calibration, Face, MultiPoseResult, SixFaceResult, multi_pose, six_face
-from .estimator import Estimate, Estimator, EstimatorState, EstimatorStates, estimate
+from .estimator import Estimate, Estimator, EstimatorState, EstimatorStates, FixedLag, estimate
 from .filters import (
     AdaptiveGain,
     Mahony,
@@ -46,7 +46,7 @@ from .rotations import (
 
 __all__ = [
     "AdaptiveGain", "AllanDeviation", "Calibration", "ConditionError", "DomainError", "EarthRate", "Estimate",
-    "Estimator", "EstimatorState", "EstimatorStates", "Face", "Mahony", "Measured", "Motion", "MultiPoseResult",
+    "Estimator", "EstimatorState", "EstimatorStates", "Face", "FixedLag", "Mahony", "Measured", "Motion", "MultiPoseResult",
     "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",
     "from_axis_angle", "from_ypr", "initial_attitude", "integrate_gyro", "mahony", "mahony_adaptive", "multi_pose",
