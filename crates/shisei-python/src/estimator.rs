@@ -157,31 +157,12 @@ impl EstimatorFilter {
         dt_s: Step<'py>,
     ) -> PyResult<Bound<'py, PyDict>> {
         let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
-        let dt = dt_s.dt()?;
-        let steps = match dt {
-            Dt::PerSample(steps) => steps.len(),
-            Dt::Constant(_) => gyro.len(),
-        };
-        for second in [acc.len(), steps] {
-            if second != gyro.len() {
-                return Err(exception("update_all", Error::LengthMismatch { first: gyro.len(), second }));
-            }
-        }
+        let dt = equal_lengths(gyro, acc, &dt_s)?;
         let states: Vec<State> = py.detach(|| {
             let samples = gyro.iter().zip(acc).enumerate();
             samples.map(|(k, (&gyro, &acc))| self.take(gyro, acc, dt.at(k))).collect()
         });
-        let result = PyDict::new(py);
-        let series = |of: fn(&State) -> f64| PyArray1::from_vec(py, states.iter().map(of).collect());
-        let vectors = |of: fn(&State) -> Vec3| table::<3>(py, states.iter().map(of).collect());
-        let quats = states.iter().map(|s| s.world_from_body.to_array()).collect();
-        result.set_item("q_wxyz", table::<4>(py, quats)?)?;
-        result.set_item("rate_rad_s", vectors(|s| s.rate_rad_s)?)?;
-        result.set_item("gyro_bias_rad_s", vectors(|s| s.gyro_bias_rad_s)?)?;
-        result.set_item("sigma_tilt_rad", series(|s| s.sigma_tilt_rad))?;
-        result.set_item("sigma_heading_rad", series(|s| s.sigma_heading_rad))?;
-        result.set_item("rest", PyArray1::from_vec(py, states.iter().map(|s| s.rest).collect()))?;
-        Ok(result)
+        columns(py, &states)
     }
 
     #[getter]
@@ -195,12 +176,114 @@ impl EstimatorFilter {
     }
 }
 
-impl EstimatorFilter {
-    fn take(&mut self, mut gyro_rad_s: Vec3, mut acc_m_s2: Vec3, dt_s: f64) -> State {
-        if let Some(correct) = &self.correct {
-            gyro_rad_s = correct.gyroscope.apply(gyro_rad_s);
-            acc_m_s2 = correct.accelerometer.apply(acc_m_s2);
+/// The steps, where there are as many as samples of both sensors.
+fn equal_lengths<'a>(gyro: &[Vec3], acc: &[Vec3], dt_s: &'a Step<'_>) -> PyResult<Dt<'a>> {
+    let dt = dt_s.dt()?;
+    let steps = match dt {
+        Dt::PerSample(steps) => steps.len(),
+        Dt::Constant(_) => gyro.len(),
+    };
+    for second in [acc.len(), steps] {
+        if second != gyro.len() {
+            return Err(exception("update_all", Error::LengthMismatch { first: gyro.len(), second }));
         }
-        self.estimator.update(&Sample { gyro_rad_s, acc_m_s2, dt_s })
+    }
+    Ok(dt)
+}
+
+/// States as arrays, one row a state.
+fn columns<'py>(py: Python<'py>, states: &[State]) -> PyResult<Bound<'py, PyDict>> {
+    let result = PyDict::new(py);
+    let series = |of: fn(&State) -> f64| PyArray1::from_vec(py, states.iter().map(of).collect());
+    let vectors = |of: fn(&State) -> Vec3| table::<3>(py, states.iter().map(of).collect());
+    let quats = states.iter().map(|s| s.world_from_body.to_array()).collect();
+    result.set_item("q_wxyz", table::<4>(py, quats)?)?;
+    result.set_item("rate_rad_s", vectors(|s| s.rate_rad_s)?)?;
+    result.set_item("gyro_bias_rad_s", vectors(|s| s.gyro_bias_rad_s)?)?;
+    result.set_item("sigma_tilt_rad", series(|s| s.sigma_tilt_rad))?;
+    result.set_item("sigma_heading_rad", series(|s| s.sigma_heading_rad))?;
+    result.set_item("rest", PyArray1::from_vec(py, states.iter().map(|s| s.rest).collect()))?;
+    Ok(result)
+}
+
+fn corrected(correct: Option<&Calibration>, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Sample {
+    match correct {
+        Some(correct) => Sample {
+            gyro_rad_s: correct.gyroscope.apply(gyro_rad_s),
+            acc_m_s2: correct.accelerometer.apply(acc_m_s2),
+            dt_s,
+        },
+        None => Sample { gyro_rad_s, acc_m_s2, dt_s },
+    }
+}
+
+impl EstimatorFilter {
+    fn take(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> State {
+        self.estimator.update(&corrected(self.correct.as_ref(), gyro_rad_s, acc_m_s2, dt_s))
+    }
+}
+
+/// The estimator with a delay; spent after `finish`.
+#[pyclass(module = "shisei._native", name = "FixedLagFilter")]
+#[derive(Debug)]
+pub struct FixedLagFilter {
+    estimator: Option<Box<core::FixedLag>>,
+    correct: Option<Calibration>,
+}
+
+#[pymethods]
+impl FixedLagFilter {
+    #[new]
+    fn new(lag_s: f64, gravity_m_s2: f64, calibration: Option<Known>) -> PyResult<Self> {
+        let (calibration, correct) = known(calibration)?;
+        let settings = core::Settings { gravity_m_s2, calibration, ..core::Settings::default() };
+        let estimator =
+            core::FixedLag::new(&settings, lag_s).map_err(|error| exception("FixedLag", error))?;
+        Ok(FixedLagFilter { estimator: Some(Box::new(estimator)), correct })
+    }
+
+    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> PyResult<Vec<StateTuple>> {
+        let sample = corrected(self.correct.as_ref(), gyro_rad_s, acc_m_s2, dt_s);
+        let mut out = Vec::new();
+        self.running()?.update(&sample, &mut out);
+        Ok(out.iter().map(state_tuple).collect())
+    }
+
+    #[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+    fn update_all<'py>(
+        &mut self,
+        py: Python<'py>,
+        gyro_rad_s: PyReadonlyArray2<'py, f64>,
+        acc_m_s2: PyReadonlyArray2<'py, f64>,
+        dt_s: Step<'py>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
+        let dt = equal_lengths(gyro, acc, &dt_s)?;
+        let correct = self.correct;
+        let estimator = self.running()?;
+        let states = py.detach(|| {
+            let mut out = Vec::with_capacity(gyro.len());
+            for (k, (&gyro, &acc)) in gyro.iter().zip(acc).enumerate() {
+                estimator.update(&corrected(correct.as_ref(), gyro, acc, dt.at(k)), &mut out);
+            }
+            out
+        });
+        columns(py, &states)
+    }
+
+    fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        self.running()?;
+        let mut out = Vec::new();
+        if let Some(estimator) = self.estimator.take() {
+            estimator.finish(&mut out);
+        }
+        columns(py, &out)
+    }
+}
+
+impl FixedLagFilter {
+    fn running(&mut self) -> PyResult<&mut core::FixedLag> {
+        let spent = || PyValueError::new_err("FixedLag: finish() was called; make a new one");
+        self.estimator.as_deref_mut().ok_or_else(spent)
     }
 }

@@ -3,7 +3,7 @@
 use crate::arrays::{Step, rows, table};
 use crate::errors::exception;
 use crate::threads::SideBySide;
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -108,6 +108,8 @@ pub fn orient<'py>(
     let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
     let p = &parameters[..];
     let method = match kind {
+        "shisei" => Method::Estimate,
+        "shisei-online" => Method::EstimateOnline,
         "gyro" => Method::Gyro,
         "gyro-rk4" => Method::GyroRk4,
         "mahony" => at(p).map(|[kp, ki]| Method::Mahony { kp, ki })?,
@@ -142,6 +144,10 @@ pub fn orient<'py>(
     result.set_item("start", found.start.to_array())?;
     result.set_item("rest", found.rest.map(|r| (r.start, r.end)))?;
     result.set_item("gyro_bias_rad_s", found.gyro_bias_rad_s)?;
+    if let Some(certainty) = found.certainty {
+        result.set_item("sigma_tilt_rad", PyArray1::from_vec(py, certainty.sigma_tilt_rad))?;
+        result.set_item("sigma_heading_rad", PyArray1::from_vec(py, certainty.sigma_heading_rad))?;
+    }
     Ok(result)
 }
 

@@ -43,5 +43,6 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<filters::MahonyFilter>()?;
     module.add_function(wrap_pyfunction!(estimator::estimate, module)?)?;
     module.add_class::<estimator::EstimatorFilter>()?;
+    module.add_class::<estimator::FixedLagFilter>()?;
     Ok(())
 }

@@ -92,6 +92,37 @@ def test_live_one_by_one_and_by_stretches_are_the_same_bits():
     assert many.update_all(acc_m_s2=acc[:10], gyro_rad_s=gyro[:10], dt_s=steps).q_wxyz.shape == (10, 4)
 
 
+def test_a_delay_gives_every_state_once_in_order():
+    acc, gyro = pelvis()
+    truth = read("pelvis.truth.csv", ("yaw_rad", "pitch_rad", "roll_rad"))
+    one, many = shisei.FixedLag(1.0), shisei.FixedLag(1.0)
+    single, longest = [], 0
+    for k in range(len(acc)):
+        single += one.update(acc_m_s2=acc[k], gyro_rad_s=gyro[k], dt_s=0.01)
+        longest = max(longest, k + 1 - len(single)) if k > 300 else 0  # the start is levelled for half a second more
+    assert 100 <= longest <= 130, longest
+    parts = [many.update_all(acc_m_s2=acc[k:k + 700], gyro_rad_s=gyro[k:k + 700], dt_s=0.01)
+             for k in range(0, len(acc), 700)]
+    rest, again = many.finish(), one.finish()
+    q = np.concatenate([*(p.q_wxyz for p in parts), rest.q_wxyz])
+    assert len(q) == len(acc) and len(single) + len(again.q_wxyz) == len(acc)
+    np.testing.assert_array_equal(q[:len(single)], [s.q_wxyz for s in single])
+    np.testing.assert_array_equal(again.q_wxyz, rest.q_wxyz)
+
+
+    def lean(turn):  # of the vertical since the start: the same for every heading of the world
+        return 2 * np.arcsin(np.sqrt(turn[:, 1] ** 2 + turn[:, 2] ** 2))
+
+    error = np.abs(lean(shisei.relative(q, q[200])) - lean(shisei.from_ypr(truth)))[300:].max()
+    assert np.degrees(error) < 2.5, np.degrees(error)
+    for call in (many.finish, lambda: many.update(acc_m_s2=acc[0], gyro_rad_s=gyro[0], dt_s=0.01)):
+        with pytest.raises(ValueError, match="finish"):
+            call()
+    for lag_s in (-1.0, 11.0, np.nan):
+        with pytest.raises(shisei.DomainError):
+            shisei.FixedLag(lag_s)
+
+
 def test_garbage_is_bridged_live_and_refused_in_a_recording():
     acc, gyro, _ = turning()
     live = shisei.Estimator()

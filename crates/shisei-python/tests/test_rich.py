@@ -95,12 +95,24 @@ def test_orient_finds_the_rest_and_the_truth():
     acc, gyro = recording("pelvis.csv")
     with open(ROOT / "examples/pelvis.truth.csv", encoding="utf-8") as f:
         truth = np.array([[float(r[k]) for k in ("yaw_rad", "pitch_rad", "roll_rad")] for r in csv.DictReader(f)])
-    found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward_axis=[0, 0, 1])
-    assert found.rest is not None and found.world_from_body.shape == (len(acc), 4)
-    error = np.abs(found.ypr_rad() - truth).max(axis=0)
-    assert np.degrees(error).max() < 2.5, np.degrees(error)
+    for kind in ("mahony", "shisei-online", "shisei"):
+        found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward_axis=[0, 0, 1], filter=kind)
+        assert found.rest is not None and found.world_from_body.shape == (len(acc), 4)
+        error = np.abs(found.ypr_rad() - truth).max(axis=0)
+        assert np.degrees(error).max() < 2.5, (kind, np.degrees(error))
+        assert (found.sigma_tilt_rad is None) == (kind == "mahony")
+    gyro, acc = lively(500)
     with pytest.raises(shisei.ConditionError):
-        shisei.orient(gyro_rad_s=lively(500)[0], acc_m_s2=lively(500)[1], rate_hz=100)
+        shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, filter="mahony")
+    assert shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100).rest is None
+
+
+def test_orient_is_the_estimator_unless_told_otherwise():
+    acc, gyro = (readings[:3000] for readings in recording("pelvis.csv"))
+    found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward_axis=[0, 0, 1])
+    same = shisei.estimate(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward="+z")
+    np.testing.assert_array_equal(found.world_from_body, same.q_wxyz)
+    np.testing.assert_array_equal(found.sigma_heading_rad, same.sigma_heading_rad)
 
 
 def test_six_face_and_its_file(tmp_path):

@@ -89,12 +89,13 @@ pub struct Settings {
     /// Accelerations beyond this are no readings, m/s². Default 2000.
     pub acc_limit_m_s2: f64,
     /// What is stated of the quick filter's tilt, as a share of its own standard deviation: a filter that is told of
-    /// more noise than there is, so as to follow, doubts itself more than it must. Default 0.35; large values state
-    /// more uncertainty. This and the next two are from recordings; docs/en/estimator.md has the coverage.
+    /// more noise than there is, so as to follow, doubts itself more than it must. Default 0.5; large values state
+    /// more uncertainty. This and the next two make the stated uncertainty that of a simulated sensor whose errors
+    /// are as these settings say; docs/en/estimator.md has the figures and the coverage on recordings.
     pub quick_sigma_share: f64,
-    /// The same of the smoother's tilt. Default 0.75.
+    /// The same of the smoother's tilt. Default 0.7.
     pub smooth_sigma_share: f64,
-    /// The same of the calm filter's heading, live and smoothed. Default 0.3.
+    /// The same of the calm filter's heading, live and smoothed. Default 0.33.
     pub heading_sigma_share: f64,
     /// What is known of the sensor: applied before the filter, with its covariance in place of the start values.
     pub calibration: Option<Calibration>,
@@ -115,9 +116,9 @@ impl Default for Settings {
             gap_rate_rad_s: 0.5,
             gyro_limit_rad_s: 100.0,
             acc_limit_m_s2: 2000.0,
-            quick_sigma_share: 0.35,
-            smooth_sigma_share: 0.75,
-            heading_sigma_share: 0.3,
+            quick_sigma_share: 0.5,
+            smooth_sigma_share: 0.7,
+            heading_sigma_share: 0.33,
             calibration: None,
         }
     }

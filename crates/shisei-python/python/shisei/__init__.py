@@ -25,7 +25,7 @@ from .calibration import (
     multi_pose,
     six_face,
 )
-from .estimator import Estimate, Estimator, EstimatorState, EstimatorStates, estimate
+from .estimator import Estimate, Estimator, EstimatorState, EstimatorStates, FixedLag, estimate
 from .filters import (
     AdaptiveGain,
     Mahony,
@@ -66,7 +66,7 @@ from .rotations import (
 
 __all__ = [
     "AdaptiveGain", "AllanDeviation", "Calibration", "ConditionError", "DomainError", "EarthRate", "Estimate",
-    "Estimator", "EstimatorState", "EstimatorStates", "Face", "Fusion", "Gap", "ImuRecording", "KnownTurnsResult", "Mahony", "MeanRate", "Measured",
+    "Estimator", "EstimatorState", "EstimatorStates", "Face", "FixedLag", "Fusion", "Gap", "ImuRecording", "KnownTurnsResult", "Mahony", "MeanRate", "Measured",
     "Motion", "MultiPoseResult", "OpticalTake",
     "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Sync", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",

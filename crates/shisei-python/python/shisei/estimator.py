@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from . import sheet
 from ._arrays import Floats, series, steps, vector
-from ._native import EstimatorFilter
+from ._native import EstimatorFilter, FixedLagFilter
 from ._native import estimate as _estimate
 from .calibration import Calibration
 from .filters import GRAVITY_M_S2
@@ -198,3 +198,34 @@ class Estimator:
     def calibration(self) -> Calibration:
         """What has been learnt of the sensor by now, to save or to start from next time."""
         return _learnt(self._filter.learnt, self._given, self._gravity)
+
+
+class FixedLag:
+    """The estimator live with a delay: each state waits for the samples of the next ``lag_s``, 0 to 10 s, which say
+    more about its tilt than those before it. Heading, rate and bias are those of :class:`Estimator`.
+
+    States come out in order, one for each sample, in bunches of about 0.14 s. gravity_m_s2: local gravity.
+    calibration: what is known of the sensor; give raw readings with it. Raises DomainError where one of them is out
+    of range.
+    """
+
+    def __init__(self, lag_s: float = 1.0, *, gravity_m_s2: float = GRAVITY_M_S2,
+                 calibration: Calibration | None = None) -> None:
+        self._filter = FixedLagFilter(lag_s, gravity_m_s2, _known(calibration))
+
+    def update(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: float) -> list[EstimatorState]:
+        """One sample, as :meth:`Estimator.update`; gives the states that have now waited long enough, often none."""
+        return [_state(found) for found in self._filter.update(list(gyro_rad_s), list(acc_m_s2), dt_s)]
+
+    def update_all(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: Any) -> EstimatorStates:
+        """A stretch of samples (N, 3), (N, 3); dt_s: one number or (N,). Gives the states that have waited long
+        enough by its end: the same bits as one by one; the GIL is released. Raises ShapeError for wrong shapes."""
+        gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
+        step = float(dt_s) if np.ndim(dt_s) == 0 else np.ascontiguousarray(dt_s, dtype=np.float64)
+        found = self._filter.update_all(gyro, acc, step)
+        return EstimatorStates(*(found[name] for name in EstimatorStates._fields))
+
+    def finish(self) -> EstimatorStates:
+        """The states that still wait, at the end of the samples. After it every call raises ValueError."""
+        found = self._filter.finish()
+        return EstimatorStates(*(found[name] for name in EstimatorStates._fields))

@@ -99,6 +99,9 @@ class Mahony:
         return -x, -y, -z
 
 
+Filter = Literal["shisei", "shisei-online", "mahony", "mahony-adaptive", "complementary", "gyro", "gyro-rk4"]
+
+
 @dataclass(frozen=True)
 class Orientation:
     """Orientation of a recording."""
@@ -111,6 +114,10 @@ class Orientation:
     """Rows of the rest, the end excluded."""
     gyro_bias_rad_s: tuple[float, float, float]
     """The bias that was removed."""
+    sigma_tilt_rad: Floats | None = None
+    """(N,) standard deviation of the tilt; None with the classic filters."""
+    sigma_heading_rad: Floats | None = None
+    """(N,) standard deviation of the heading since the start; None with the classic filters."""
 
     def ypr_rad(self, relative: Literal["world", "body", "none"] = "world") -> Floats:
         """(N, 3) yaw, pitch, roll: of the turn since the start in world or sensor axes, or of the attitude itself."""
@@ -121,15 +128,18 @@ class Orientation:
 
 
 def orient(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
-           dt_s: float | None = None, filter: Literal["mahony", "mahony-adaptive", "complementary", "gyro", "gyro-rk4"] = "mahony",
+           dt_s: float | None = None, filter: Filter = "shisei",
            kp: float = 0.2, ki: float = 0.0, gain: AdaptiveGain = AdaptiveGain(), alpha: float = 0.98,
            rest: Literal["auto"] | tuple[int, int] | None = "auto", forward_axis: Any = None,
            gravity_m_s2: float = GRAVITY_M_S2) -> Orientation:
-    """A whole recording: finds the first rest, removes the gyro bias measured there, starts from its attitude.
+    """A whole recording, as ``shisei orient`` does it: finds the first rest, removes the gyro bias measured there,
+    starts from its attitude.
 
-    gyro_rad_s, acc_m_s2: (N, 3). rest: "auto", (first row, end row), or None to start at once with no bias removed.
-    forward_axis (3,): the sensor axis that, laid flat at the start, shall point along world x. Raises ConditionError
-    when no rest is found.
+    gyro_rad_s, acc_m_s2: (N, 3). filter: "shisei", the estimator's smoother (every attitude from the whole recording);
+    "shisei-online", the estimator as it runs live; or one of the classic filters, to which kp, ki, gain and alpha
+    belong. rest: "auto", (first row, end row), or None to start at once with no bias removed; without a rest the
+    estimator goes on, and the classic filters raise ConditionError. forward_axis (3,): the sensor axis that, laid
+    flat at the start, shall point along world x. :func:`shisei.estimate` tells more and takes a calibration.
     """
     gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
     parameters = {"mahony": [kp, ki], "mahony-adaptive": [*astuple(gain), ki, gravity_m_s2],
@@ -138,7 +148,8 @@ def orient(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time
     axis = None if forward_axis is None else vector(forward_axis, 3, "forward_axis")
     found = _orient(filter, parameters, gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), rest == "auto", rows, axis,
                     gravity_m_s2)
-    return Orientation(found["world_from_body"], tuple(found["start"]), found["rest"], tuple(found["gyro_bias_rad_s"]))
+    return Orientation(found["world_from_body"], tuple(found["start"]), found["rest"], tuple(found["gyro_bias_rad_s"]),
+                       found.get("sigma_tilt_rad"), found.get("sigma_heading_rad"))
 
 
 @dataclass(frozen=True)
