@@ -29,6 +29,7 @@ from .filters import (
     mahony_adaptive,
     orient,
 )
+from .many import many
 from .measure import AllanDeviation, EarthRate, Measured, SphereFit, allan_deviation, earth_rate, fit_sphere
 from .motion import Track, foot_motion, rest_to_rest
 from .rotations import (
@@ -49,7 +50,7 @@ __all__ = [
     "Estimator", "EstimatorState", "EstimatorStates", "Face", "Mahony", "Measured", "Motion", "MultiPoseResult",
     "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",
-    "from_axis_angle", "from_ypr", "initial_attitude", "integrate_gyro", "mahony", "mahony_adaptive", "multi_pose",
-    "multiply", "normalize", "orient", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
+    "from_axis_angle", "from_ypr", "initial_attitude", "integrate_gyro", "mahony", "mahony_adaptive", "many",
+    "multi_pose", "multiply", "normalize", "orient", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
     "slerp", "to_ypr",
 ]
