@@ -30,8 +30,8 @@ ONLINE = "q = vqf.VQF(dt).updateBatch(gyr, acc)['quat6D']"
 OFFLINE = "q = vqf.offlineVQF(gyr, acc, None, dt)['quat6D']"
 
 
-def recording(path: str, rows: int) -> None:
-    """Rest, then slow turns with noise, 100 Hz; seeded."""
+def motion(rows: int) -> tuple:
+    """Rest, then slow turns with noise, 100 Hz; seeded: times, rates (rad/s), specific forces (m/s2)."""
     random = numpy.random.default_rng(1)
     t = numpy.arange(rows) / 100.0
     moving = t > 5
@@ -40,9 +40,14 @@ def recording(path: str, rows: int) -> None:
     tilt = 0.3 * (1 - numpy.cos(0.7 * t)) * moving
     acc = numpy.stack([0 * t, 9.81 * numpy.sin(tilt), 9.81 * numpy.cos(tilt)], axis=1)
     acc += 0.02 * random.standard_normal((rows, 3))
-    table = numpy.column_stack([t, acc, gyr])
+    return t, gyr, acc
+
+
+def recording(path: str, rows: int) -> None:
+    """Writes `motion` as CSV."""
+    t, gyr, acc = motion(rows)
     header = "time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z"
-    numpy.savetxt(path, table, delimiter=",", header=header, comments="", fmt="%.6f")
+    numpy.savetxt(path, numpy.column_stack([t, acc, gyr]), delimiter=",", header=header, comments="", fmt="%.6f")
 
 
 def run(command: list[str]) -> tuple[float, float]:

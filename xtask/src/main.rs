@@ -11,6 +11,7 @@ cargo xtask test --list                  the suites and what each needs
 cargo xtask tidy                         rules that no compiler holds us to
 cargo xtask bench accuracy               orientation errors on BROAD, ours and our peers' [--install] [--no-peers]
 cargo xtask bench cli                    a big CSV through `shisei orient`, beside polars + vqf [--install]
+cargo xtask bench speed                  kernels, CSV and `shisei orient` beside named programs [--install]
 cargo xtask bench doors                  what Calc, Python and the XLL cost beside the mathematics
 cargo xtask dist [--install]             everything users install, into dist/, with checksums
 cargo xtask bench bridge [TRIAL …]       errors in optical gaps on BROAD: lines, gyroscope, ours
@@ -25,6 +26,7 @@ fn main() -> ExitCode {
         Some((&"test", rest)) => suite::command(&project, rest),
         Some((&"bench", ["accuracy", rest @ ..])) => finish(bench::accuracy::command(&project, rest)),
         Some((&"bench", ["cli", rest @ ..])) => finish(bench::cli::command(&project, rest)),
+        Some((&"bench", ["speed", rest @ ..])) => finish(bench::speed::command(&project, rest)),
         Some((&"bench", ["doors", rest @ ..])) => finish(bench::doors::command(&project, rest)),
         Some((&"dist", rest)) => finish(dist::command(&project, rest)),
         Some((&"bench", ["bridge", rest @ ..])) => finish(bench::bridge::command(&project, rest)),

@@ -184,3 +184,17 @@ def test_the_gil_is_released():
         time.sleep(0.001)
     thread.join()
     assert len(ticks) > 5, "this thread stood still while the other calculated"
+
+
+def test_many_recordings_are_each_alone():
+    trials = [dict(zip(["gyro_rad_s", "acc_m_s2"], lively(2000 + 100 * k, seed=k))) for k in range(8)]
+    q0 = shisei.from_ypr([0.1, 0.2, 0.3])
+    alone = [shisei.mahony(**trial, rate_hz=100, start=q0) for trial in trials]
+    for threads in [None, 1, 3]:
+        together = shisei.many(shisei.mahony, trials, threads=threads, rate_hz=100, start=q0)
+        assert all(np.array_equal(a, b) for a, b in zip(alone, together, strict=True))
+    trials[3]["acc_m_s2"] = trials[3]["acc_m_s2"][:-1]
+    with pytest.raises(shisei.ShapeError):
+        shisei.many(shisei.mahony, trials, rate_hz=100)
+    with pytest.raises(ValueError, match="threads"):
+        shisei.many(shisei.mahony, [], threads=-1)

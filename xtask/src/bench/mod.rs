@@ -7,4 +7,5 @@ mod coverage;
 pub mod doors;
 mod estimators;
 mod metrics;
+pub mod speed;
 mod trial;

@@ -39,6 +39,7 @@ from .filters import (
     orient,
 )
 from .fusion import Fusion, Gap, ImuRecording, OpticalTake, Sync, fuse, read_motive, read_recording
+from .many import many
 from .measure import (
     AllanDeviation,
     EarthRate,
@@ -70,7 +71,7 @@ __all__ = [
     "Motion", "MultiPoseResult", "OpticalTake",
     "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Sync", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",
-    "from_axis_angle", "from_ypr", "fuse", "initial_attitude", "integrate_gyro", "known_turns", "mahony", "mahony_adaptive", "mean_rate", "multi_pose",
+    "from_axis_angle", "from_ypr", "fuse", "initial_attitude", "integrate_gyro", "known_turns", "mahony", "mahony_adaptive", "many", "mean_rate", "multi_pose",
     "multiply", "normalize", "orient", "read_motive", "read_recording", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
     "slerp", "to_ypr",
 ]

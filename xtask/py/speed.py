@@ -1,0 +1,244 @@
+"""Our kernels and files beside named programs, in turns, on one core. Called by `cargo xtask bench speed`.
+
+Usage: speed.py KERNELS SHISEI FOLDER ROWS ROUNDS. KERNELS is the example `kernels` of shisei-record. Prints medians,
+ratios and whether each is within its limit; ends with 1 where one is not.
+"""
+
+import ctypes
+import importlib.metadata
+import os
+import shutil
+import statistics
+import subprocess
+import sys
+import tarfile
+import time
+
+os.environ["POLARS_MAX_THREADS"] = "1"
+os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
+
+import ahrs
+import imufusion
+import numpy
+import pandas
+import polars
+import pyarrow
+import pyarrow.csv
+import vqf
+from scipy.spatial.transform import Rotation
+
+import cli
+
+DT_S = 0.01
+FUSION_LOOP = """
+#include "Fusion.h"
+void run(const float *gyr, const float *acc, float *out, long rows, float dt) {
+    FusionAhrs ahrs;
+    FusionAhrsInitialise(&ahrs);
+    FusionAhrsSetSamplePeriod(&ahrs, dt);
+    for (long k = 0; k < rows; k++) {
+        const FusionVector g = {{gyr[3 * k], gyr[3 * k + 1], gyr[3 * k + 2]}};
+        const FusionVector a = {{acc[3 * k], acc[3 * k + 1], acc[3 * k + 2]}};
+        FusionAhrsUpdateNoMagnetometer(&ahrs, g, a);
+        const FusionQuaternion q = FusionAhrsGetQuaternion(&ahrs);
+        for (int i = 0; i < 4; i++) out[4 * k + i] = q.array[i];
+    }
+}
+"""
+
+
+def fusion_core(folder):
+    """x-io Fusion's C sources, from the source package of imufusion, compiled with -O3 around a loop in C."""
+    version = importlib.metadata.version("imufusion")
+    library = os.path.join(folder, f"fusion-{version}.so")
+    if not os.path.exists(library):
+        fetch = [sys.executable, "-m", "pip", "download", "--quiet", "--disable-pip-version-check", "--no-deps"]
+        subprocess.run(fetch + ["--no-binary", "imufusion", "--dest", folder, f"imufusion=={version}"], check=True)
+        with tarfile.open(os.path.join(folder, f"imufusion-{version}.tar.gz")) as package:
+            package.extractall(folder, filter="data")
+        sources = os.path.join(folder, f"imufusion-{version}", "Fusion")
+        with open(os.path.join(sources, "loop.c"), "w") as out:
+            out.write(FUSION_LOOP)
+        files = [os.path.join(sources, name) for name in sorted(os.listdir(sources)) if name.endswith(".c")]
+        subprocess.run(["cc", "-O3", "-shared", "-fPIC", "-o", library, *files, "-lm"], check=True)
+    return ctypes.CDLL(library)
+
+
+class Kernels:
+    """Our side: a program that waits for names and tells how long each run took."""
+
+    def __init__(self, program, folder):
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True}
+        self.process = subprocess.Popen([program, folder], **pipes)
+
+    def __call__(self, name):
+        self.process.stdin.write(name + "\n")
+        self.process.stdin.flush()
+        answer = self.process.stdout.readline()
+        if not answer:
+            raise SystemExit(f"the kernels ended at {name}")
+        return float(answer)
+
+
+def timed(work):
+    def run():
+        started = time.perf_counter()
+        work()
+        return time.perf_counter() - started
+    return run
+
+
+def imufusion_loop(gyr_deg, acc_g):
+    filter = imufusion.Ahrs()
+    out = numpy.empty((len(gyr_deg), 4))
+    for k in range(len(gyr_deg)):
+        filter.update_no_magnetometer(gyr_deg[k], acc_g[k])
+        out[k] = filter.get_quaternion()
+
+
+def numpy_ypr(q):
+    w, x, y, z = q.T
+    out = numpy.empty((len(q), 3))
+    out[:, 0] = numpy.arctan2(2 * (w * z + x * y), 1 - 2 * (y * y + z * z))
+    out[:, 1] = numpy.arcsin(numpy.clip(2 * (w * y - z * x), -1, 1))
+    out[:, 2] = numpy.arctan2(2 * (w * x + y * z), 1 - 2 * (x * x + y * y))
+
+
+def written(path, text):
+    with open(path, "wb") as out:
+        out.write(text)
+
+
+def ours(kernels):
+    names = ["floor", "mahony", "mahony-plain", "gyro", "ypr", "ypr-unit", "csv-read", "csv-write-6",
+             "csv-write-shortest"]
+    return {name: (lambda name=name: kernels(name)) for name in names}
+
+
+def arithmetic_peers(gyr, acc, folder):
+    """Name: a run, and over how many samples (fewer for loops in Python)."""
+    rows = len(gyr)
+    gyr_deg, acc_g = numpy.degrees(gyr), acc / 9.80665
+    gyr_32, acc_32 = (numpy.ascontiguousarray(v, dtype=numpy.float32) for v in (gyr_deg, acc_g))
+    out_32 = numpy.zeros((rows, 4), dtype=numpy.float32)
+    core = fusion_core(folder)
+    pointer = lambda array: array.ctypes.data_as(ctypes.c_void_p)
+    fusion = lambda: core.run(pointer(gyr_32), pointer(acc_32), pointer(out_32), ctypes.c_long(rows),
+                              ctypes.c_float(DT_S))
+    few, some = min(rows, 5_000), min(rows, 100_000)
+    q = vqf.BasicVQF(DT_S).updateBatch(gyr, acc)["quat6D"]
+    rotations = Rotation.from_quat(q[:, [1, 2, 3, 0]])
+    return {
+        "x-io Fusion, C core, f32": (fusion, rows),
+        "imufusion, loop": (lambda: imufusion_loop(gyr_deg[:some], acc_g[:some]), some),
+        "BasicVQF, batch": (lambda: vqf.BasicVQF(DT_S).updateBatch(gyr, acc), rows),
+        "VQF, batch": (lambda: vqf.VQF(DT_S).updateBatch(gyr, acc), rows),
+        "ahrs Mahony": (lambda: ahrs.filters.Mahony(gyr=gyr[:few], acc=acc[:few], frequency=1 / DT_S), few),
+        "SciPy as_euler": (lambda: rotations.as_euler("ZYX"), rows),
+        "NumPy by hand": (lambda: numpy_ypr(q), rows),
+    }
+
+
+def file_peers(folder, shisei):
+    source, result = os.path.join(folder, "big.csv"), os.path.join(folder, "big.orientation.csv")
+    other = os.path.join(folder, "peer.csv")
+    table = polars.read_csv(source)
+    orient = [shisei, "orient", source, "-o", result, "--no-report", "--force", "--filter", "mahony"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "check": True}
+    subprocess.run(orient, **quiet)
+    with open(result, "rb") as made:
+        ready = made.read()
+    single = pyarrow.csv.ReadOptions(use_threads=False)
+    return {
+        "pandas read": lambda: pandas.read_csv(source),
+        "polars read": lambda: polars.read_csv(source, n_threads=1),
+        "pyarrow read": lambda: pyarrow.csv.read_csv(source, read_options=single),
+        "polars write, 6 decimals": lambda: table.write_csv(other, float_precision=6),
+        "polars write, shortest": lambda: table.write_csv(other),
+        "shisei orient, mahony": lambda: subprocess.run(orient, **quiet),
+        "wc -l": lambda: subprocess.run(["wc", "-l", source], **quiet),
+        "write ready bytes": lambda: written(os.path.join(folder, "ready.csv"), ready),
+    }
+
+
+def many_files(folder, shisei, cores, rounds):
+    """Seconds for a directory of recordings on one core and on two."""
+    inputs, outputs = os.path.join(folder, "many"), os.path.join(folder, "many-out")
+    os.makedirs(inputs, exist_ok=True)
+    with open(os.path.join(folder, "big.csv"), "rb") as big:
+        text = b"".join(big.readline() for _ in range(3_001))
+    for k in range(1_000):
+        written(os.path.join(inputs, f"{k:04}.csv"), text)
+    command = [shisei, "orient", inputs, "-o", outputs, "--no-report", "--filter", "mahony"]
+    found = {1: [], 2: []}
+    for _ in range(rounds):
+        for count, seconds in found.items():
+            os.sched_setaffinity(0, cores[:count])
+            started = time.perf_counter()
+            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
+            seconds.append(time.perf_counter() - started)
+    os.sched_setaffinity(0, cores[:1])
+    shutil.rmtree(outputs)
+    return {count: statistics.median(seconds) for count, seconds in found.items()}
+
+
+def main():
+    kernels, shisei, folder, rows, rounds = sys.argv[1:4] + [int(word) for word in sys.argv[4:6]]
+    cores = sorted(os.sched_getaffinity(0))
+    os.sched_setaffinity(0, cores[:1])
+    os.makedirs(folder, exist_ok=True)
+    time_s, gyr, acc = cli.motion(rows)
+    gyr.astype("<f8").tofile(os.path.join(folder, "gyr.f64"))
+    acc.astype("<f8").tofile(os.path.join(folder, "acc.f64"))
+    columns = dict(zip(["time_s", "acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"], [time_s, *acc.T, *gyr.T]))
+    columns["temp_c"] = 25 + 0.1 * gyr[:, 0]
+    polars.DataFrame(columns).write_csv(os.path.join(folder, "big.csv"), float_precision=6)
+
+    runs, samples = ours(Kernels(kernels, folder)), {}
+    for name, (work, count) in arithmetic_peers(gyr, acc, folder).items():
+        runs[name], samples[name] = timed(work), count
+    for name, work in file_peers(folder, shisei).items():
+        runs[name] = timed(work)
+    seconds = {name: [] for name in runs}
+    for turn in range(rounds + 1):
+        for name, run in runs.items():
+            took = run()
+            if turn > 0:  # the first turn warms caches
+                seconds[name].append(took / samples.get(name, rows) * rows)
+    median = {name: statistics.median(all) for name, all in seconds.items()}
+    both = many_files(folder, shisei, cores, 5) if len(cores) > 1 else None
+
+    megabytes = os.path.getsize(os.path.join(folder, "big.csv")) / 1e6
+    print(f"{rows} samples ({megabytes:.0f} MB of CSV), one core, {rounds} turns, medians")
+    for name, value in median.items():
+        print(f"  {name:28} {value * 1e3:9.1f} ms {value / rows * 1e9:9.1f} ns/sample")
+    m = median
+    best = min(["pandas read", "polars read", "pyarrow read"], key=m.get)
+    floor = m["wc -l"] + m["write ready bytes"]
+    checks = [
+        ("Mahony / plain form", m["mahony"] / m["mahony-plain"], "<=", 0.75),
+        ("Mahony against x-io Fusion's C core", m["x-io Fusion, C core, f32"] / m["mahony"], ">=", 1),
+        ("Mahony against imufusion's loop", m["imufusion, loop"] / m["mahony"], ">=", 22),
+        ("Mahony against BasicVQF's batch", m["BasicVQF, batch"] / m["mahony"], ">=", 4),
+        ("Mahony against VQF's batch", m["VQF, batch"] / m["mahony"], ">=", 12),
+        ("Mahony against ahrs' Mahony", m["ahrs Mahony"] / m["mahony"], ">=", 1800),
+        ("gyroscope only / memory floor", m["gyro"] / m["floor"], "<=", 2.4),
+        ("yaw, pitch, roll against NumPy", m["NumPy by hand"] / m["ypr-unit"], ">=", 3),
+        ("yaw, pitch, roll against SciPy", m["SciPy as_euler"] / m["ypr-unit"], ">=", 4),
+        (f"CSV read against the best ({best.split()[0]})", m[best] / m["csv-read"], ">=", 1.8),
+        ("CSV write, 6 decimals, against polars", m["polars write, 6 decimals"] / m["csv-write-6"], ">=", 5),
+        ("CSV write, shortest, against polars", m["polars write, shortest"] / m["csv-write-shortest"], ">=", 1),
+        ("shisei orient / (wc -l + writing ready bytes)", m["shisei orient, mahony"] / floor, "<=", 2.5),
+    ]
+    if both:
+        checks.append(("1,000 files: two cores against one", both[1] / both[2], ">=", 1.7))
+    missed = 0
+    for name, ratio, sign, limit in checks:
+        good = ratio <= limit if sign == "<=" else ratio >= limit
+        missed += not good
+        print(f"{'pass' if good else 'MISS'}  {name:46} {ratio:8.2f}  {sign} {limit}")
+    sys.exit(missed > 0)
+
+
+if __name__ == "__main__":
+    main()
