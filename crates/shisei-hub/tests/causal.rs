@@ -134,7 +134,8 @@ fn assert_same(expected: &[(f64, estimator::Bridged)], found: &[Moved], what: &s
         assert_eq!(time_s.to_bits(), moved.time_s.to_bits(), "{what}");
         let bits = |b: &estimator::Bridged| {
             let q = b.state.world_from_body.to_array().map(f64::to_bits);
-            let numbers = [b.position_m, b.velocity_m_s, b.state.gyro_bias_rad_s].map(|v| v.map(f64::to_bits));
+            let numbers =
+                [b.position_m, b.velocity_m_s, b.state.gyro_bias_rad_s].map(|v| v.map(f64::to_bits));
             (q, numbers, b.sigma_position_m.to_bits())
         };
         assert_eq!(bits(bridged), bits(&moved.bridged), "{what}, {time_s} s");
@@ -176,8 +177,12 @@ fn at(moved: &[Moved], time_s: f64) -> Option<Pose> {
 }
 
 fn coupling(fusion: &Fusion, step_s: f64) -> Coupling {
-    let alignment =
-        Alignment::found(&fusion.sync, fusion.lever.as_ref(), [0.0, 0.0, 1.0], shisei_core::STANDARD_GRAVITY_M_S2);
+    let alignment = Alignment::found(
+        &fusion.sync,
+        fusion.lever.as_ref(),
+        [0.0, 0.0, 1.0],
+        shisei_core::STANDARD_GRAVITY_M_S2,
+    );
     let clocking = Clocking::Times { offset_s: fusion.sync.offset_s, skew: fusion.sync.skew };
     Coupling { alignment, clocking, step_s }
 }
@@ -191,7 +196,8 @@ fn a_simulated_take_in_any_order_of_arrival() {
         markers_m: Vec::new(),
     };
     let lost_s: Vec<(f64, f64)> = (0..6).map(|k| 8.0 + 6.0 * f64::from(k)).map(|s| (s, s + 1.0)).collect();
-    let cameras = Cameras { offset_s: 1.0, skew: 3e-5, lost_s: lost_s.clone(), ..Cameras::new(240.0, 45.0, 5) };
+    let cameras =
+        Cameras { offset_s: 1.0, skew: 3e-5, lost_s: lost_s.clone(), ..Cameras::new(240.0, 45.0, 5) };
     let filmed = film(&motion, &rig, &cameras);
     let settings = Settings { errors: Errors::DrawnAligned, ..Settings::new(120.0, 5) };
     let simulation = simulate(&motion, &Sensor::lsm6ds3tr_c(), &settings);

@@ -51,7 +51,10 @@ fn viewer(run: &mut Run<'_>) {
         return run.fail("packages of the viewer", &reason);
     }
     run.step("the viewer's types", in_folder(project, "npm", VIEWER).args(["run", "--silent", "check"]));
-    run.step("the committed viewer is what its sources make", node(project, VIEWER, "build.mjs").arg("--check"));
+    run.step(
+        "the committed viewer is what its sources make",
+        node(project, VIEWER, "build.mjs").arg("--check"),
+    );
     run.tests("the viewer's parts", &mut node(project, VIEWER, "test.mjs"), tally::node);
     let shots = project.target().join("viewer-pages");
     let mut pages = node(project, VIEWER, "test/browser.mjs");
@@ -86,11 +89,9 @@ fn unity(run: &mut Run<'_>) {
     };
     run.tests("the Unity package", &mut mono(), tally::closing_line);
     match shisei(project).and_then(|shisei| Hub::start(project, &shisei)) {
-        Ok(hub) => run.tests(
-            "the Unity package with shisei live --demo",
-            mono().arg(&hub.url),
-            tally::closing_line,
-        ),
+        Ok(hub) => {
+            run.tests("the Unity package with shisei live --demo", mono().arg(&hub.url), tally::closing_line);
+        }
         Err(reason) => run.fail("shisei live --demo", &reason),
     }
 }
@@ -165,10 +166,14 @@ struct Hub {
 impl Hub {
     fn start(project: &Project, shisei: &Path) -> Result<Self, String> {
         let mut command = project.command(shisei);
-        command.args(["live", "--demo", "--listen", "127.0.0.1:0", "--for", "120"]).current_dir(project.target());
+        command
+            .args(["live", "--demo", "--listen", "127.0.0.1:0", "--for", "120"])
+            .current_dir(project.target());
         let child = command.stdin(Stdio::null()).stdout(Stdio::piped()).spawn();
-        let mut hub =
-            Hub { child: child.map_err(|error| format!("{}: {error}", shisei.display()))?, url: String::new() };
+        let mut hub = Hub {
+            child: child.map_err(|error| format!("{}: {error}", shisei.display()))?,
+            url: String::new(),
+        };
         let stdout = hub.child.stdout.take().ok_or("no standard output")?;
         BufReader::new(stdout).read_line(&mut hub.url).map_err(|error| error.to_string())?;
         hub.url = hub.url.trim().to_owned();

@@ -88,7 +88,7 @@ impl LiveBridge {
         let measured = pose.as_ref().map(|pose| (pose, &self.noise));
         let rate = vector::sub(sample.gyro_rad_s, self.bridged.state.gyro_bias_rad_s);
         let turns = vector::norm(rate) > REST_RATE_RAD_S;
-        match self.runner.take(sample, turns.then_some(false), measured, None) {
+        match self.runner.take(sample, turns.then_some(false), measured) {
             Event::Useless => return self.bridged,
             Event::LevelBegins | Event::Levelling | Event::GivenUp => self.placed = false,
             Event::Levelled => self.placed = pose.is_some(),

@@ -84,7 +84,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         Engine::new(model, settings.gravity_m_s2, known, Quaternion::IDENTITY, sigma, lever_m)
     }
 
-    /// Takes a sample. `rest` stands for the search for rests; `pose` is the optical pose of the sample.
+    /// Takes a sample. `rest` stands for the search for rests, which starts anew after it; `pose` is the optical pose of the sample.
     pub(super) fn take(
         &mut self,
         sample: &Sample,
@@ -101,7 +101,10 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             self.rest.restart();
         }
         self.at_rest = match rest {
-            Some(rest) => rest,
+            Some(rest) => {
+                self.rest.restart();
+                rest
+            }
             None => self.rest.update(&self.settings.rest, &reading),
         };
         let begins = gap_s.is_some() || self.given_up || (self.level.is_none() && !self.started);
