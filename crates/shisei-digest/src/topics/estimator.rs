@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 
 use shisei_core::estimator::{
-    BridgeSettings, Calibration, Estimator, FixedLag, LightEstimator, OpticalPose, Sample, Settings, State,
-    bridge, smooth,
+    BridgeSettings, Bridged, Calibration, Estimator, FixedLag, LightEstimator, LiveBridge, OpticalPose,
+    Sample, Settings, State, bridge, smooth,
 };
 use shisei_core::filter::Dt;
 
@@ -114,24 +114,44 @@ pub fn smoother(digest: &mut Digest) {
     );
 }
 
-pub fn bridged(digest: &mut Digest) {
-    let Recording { gyro_rad_s, acc_m_s2, dt_s } = recording(72, 300);
-    let mut input = Input::new(73);
-    let poses: Vec<Option<OpticalPose>> = (0..300)
+/// Poses in four of ten samples.
+fn poses(input: &mut Input, rows: usize) -> Vec<Option<OpticalPose>> {
+    (0..rows)
         .map(|row| {
             let pose = OpticalPose { world_from_body: input.quaternion(), position_m: input.vec3(0.1) };
             (row % 100 < 40).then_some(pose)
         })
-        .collect();
+        .collect()
+}
+
+fn push_bridged(digest: &mut Digest, row: &Bridged) {
+    push_state(digest, &row.state);
+    digest.push_all(&row.velocity_m_s);
+    digest.push_all(&row.position_m);
+    digest.push(row.sigma_position_m);
+}
+
+pub fn bridged(digest: &mut Digest) {
+    let Recording { gyro_rad_s, acc_m_s2, dt_s } = recording(72, 300);
+    let poses = poses(&mut Input::new(73), 300);
     let (optics, settings) = (BridgeSettings::default(), Settings::default());
     digest.push_result(
         bridge(&acc_m_s2, &gyro_rad_s, Dt::PerSample(&dt_s), &poses, &optics, &settings),
         |digest, (rows, _)| {
             for row in &rows {
-                push_state(digest, &row.state);
-                digest.push_all(&row.velocity_m_s);
-                digest.push_all(&row.position_m);
-                digest.push(row.sigma_position_m);
+                push_bridged(digest, row);
+            }
+        },
+    );
+}
+
+pub fn live_bridge(digest: &mut Digest) {
+    let poses = poses(&mut Input::new(74), 300);
+    digest.push_result(
+        LiveBridge::new(&BridgeSettings::default(), &Settings::default()),
+        |digest, mut bridge| {
+            for (sample, pose) in samples(300).iter().zip(&poses) {
+                push_bridged(digest, &bridge.update(sample, pose.as_ref()));
             }
         },
     );

@@ -80,6 +80,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "estimator/calibration", run: estimator::calibration },
     Topic { name: "estimator/smoother", run: estimator::smoother },
     Topic { name: "estimator/bridge", run: estimator::bridged },
+    Topic { name: "estimator/live_bridge", run: estimator::live_bridge },
     Topic { name: "earth/direction", run: earth::direction },
     Topic { name: "earth/fits", run: earth::all_fits },
     Topic { name: "earth/analysis", run: earth::analyse },
@@ -94,6 +95,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "clock/fit", run: clock::fit },
     Topic { name: "clock/frames", run: clock::frames },
     Topic { name: "clock/unwrap", run: clock::unwrap },
+    Topic { name: "alignment", run: sync::alignment },
     Topic { name: "fuse", run: sync::fuse },
     Topic { name: "fuse/relative", run: sync::relative },
 ];

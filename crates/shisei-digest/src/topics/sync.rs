@@ -2,6 +2,7 @@
 
 use alloc::vec::Vec;
 
+use shisei_core::alignment::Alignment;
 use shisei_core::frames::{Axes, Pose};
 use shisei_core::fuse::relative::{self, RelativeSettings};
 use shisei_core::fuse::{self, FuseSettings, FusedFrame, Inertial, Optical, Source};
@@ -51,6 +52,31 @@ pub fn wahba(digest: &mut Digest) {
         digest.push(pairs.ratio());
         digest.push_result(pairs.rotation(), Digest::push_quaternion);
         digest.push_quaternion(nearest_rotation(&pairs.b_a));
+    }
+}
+
+pub fn alignment(digest: &mut Digest) {
+    let mut input = Input::new(85);
+    for _ in 0..20 {
+        let row = |input: &mut Input| vector::add([1.0, 0.0, 0.0], input.vec3(0.02));
+        let alignment = Alignment {
+            body_from_sensor: input.quaternion(),
+            sensor_m: input.vec3(0.1),
+            gyro_bias_rad_s: input.vec3(0.02),
+            gyro_matrix: [row(&mut input), row(&mut input), row(&mut input)],
+            acc_bias_m_s2: input.vec3(0.2),
+            up: input.quaternion().rotate([0.0, 0.0, 1.0]),
+            ..Alignment::default()
+        };
+        let pose = Pose { position_m: input.vec3(2.0), world_from_body: input.quaternion() };
+        let sensor = alignment.sensor(&pose);
+        digest.push_quaternion(sensor.world_from_body);
+        digest.push_vec3(sensor.position_m);
+        let body = alignment.body(&sensor);
+        digest.push_quaternion(body.world_from_body);
+        digest.push_vec3(body.position_m);
+        digest.push_vec3(alignment.rate(input.vec3(3.0)));
+        digest.push_vec3(alignment.force(input.vec3(9.0)));
     }
 }
 
