@@ -53,8 +53,18 @@ fn fuzz_briefly(run: &mut Run<'_>) {
     heading("fuzz");
     match Fuzzer::build(run.project) {
         Ok(fuzzer) => {
-            for target in &fuzzer.targets {
-                run.check(&format!("fuzz {target}"), fuzzer.run(target, FUZZ_SECONDS, Some(1)));
+            // Two at a time: a target is one thread.
+            for pair in fuzzer.targets.chunks(2) {
+                let fuzz = |target: &String| fuzzer.run(target, FUZZ_SECONDS, Some(1));
+                let outcomes: Vec<_> = std::thread::scope(|scope| {
+                    let started: Vec<_> =
+                        pair.iter().map(|target| scope.spawn(move || fuzz(target))).collect();
+                    let panicked = || Err("the run itself panicked".to_owned());
+                    started.into_iter().map(|thread| thread.join().unwrap_or_else(|_| panicked())).collect()
+                });
+                for (target, outcome) in pair.iter().zip(outcomes) {
+                    run.check(&format!("fuzz {target}"), outcome);
+                }
             }
         }
         Err(reason) => run.fail("fuzz", &reason),
