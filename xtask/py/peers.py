@@ -1,8 +1,8 @@
 """Attitudes of other people's estimators, for the same table.
 
-python peers.py TRIAL.f64 OUT_FOLDER
+python peers.py TRIAL.f64 OUT_FOLDER [NAME ...]
 
-Writes OUT_FOLDER/NAME.q64: N x 4 little-endian float64 (w, x, y, z; body to world, z up). Everyone gets the same raw
+Writes OUT_FOLDER/NAME.q64 of those named, or of all: N x 4 little-endian float64 (w, x, y, z; body to world, z up). Everyone gets the same raw
 readings and the true sample rate; VQF has its defaults, imufusion the settings of its own example.
 """
 
@@ -50,5 +50,6 @@ PEERS = {
     "imufusion": fusion,
 }
 
-for name, run in PEERS.items():
+for name in sys.argv[3:] or PEERS:
+    run = PEERS[name]
     np.ascontiguousarray(run()).astype("<f8").tofile(out / f"{name}.q64")

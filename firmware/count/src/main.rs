@@ -29,18 +29,25 @@ impl Random {
         ((self.0 >> 11) as f64 - 4_503_599_627_370_496.0) / 4_503_599_627_370_496.0
     }
 
-    fn sample(&mut self) -> Sample {
-        let mut three = || [self.signed(), self.signed(), self.signed()];
+    /// Readings within `size` rad/s and m/s² of those of a level sensor.
+    fn sample(&mut self, size: f64) -> Sample {
+        let mut three = || [size * self.signed(), size * self.signed(), size * self.signed()];
         let (gyro_rad_s, [x, y, z]) = (three(), three());
         Sample { gyro_rad_s, acc_m_s2: [x, y, 9.8 + z], dt_s: 0.01 }
     }
 }
 
+/// In motion, and at rest, which is known after a second and measures more.
 fn count(name: &str, mut update: impl FnMut(&Sample) -> Quaternion) {
+    count_at(name, "moving", 1.0, &mut update);
+    count_at(name, "at rest", 0.002, &mut update);
+}
+
+fn count_at(name: &str, how: &str, size: f64, mut update: impl FnMut(&Sample) -> Quaternion) {
     let mut random = Random(7);
     let (mut sum, mut worst) = (0, 0);
     for k in 0..BEFORE + COUNTED {
-        let sample = random.sample();
+        let sample = random.sample(size);
         let start = SYST::get_current();
         core::hint::black_box(update(&sample));
         let ticks = start.wrapping_sub(SYST::get_current()) & RELOAD;
@@ -49,7 +56,7 @@ fn count(name: &str, mut update: impl FnMut(&Sample) -> Quaternion) {
             worst = worst.max(ticks * INSTRUCTIONS_PER_TICK);
         }
     }
-    hprintln!("{}: mean {}, worst {} instructions a sample", name, sum / u64::from(COUNTED), worst);
+    hprintln!("{} {}: mean {}, worst {} instructions a sample", name, how, sum / u64::from(COUNTED), worst);
 }
 
 #[entry]

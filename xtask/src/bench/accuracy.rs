@@ -7,6 +7,7 @@ use shisei_core::Quaternion;
 use super::coverage;
 use super::estimators::{Estimator, OURS};
 use super::metrics::{Errors, judge};
+use super::rates;
 use super::trial::{self, Absent, Trial};
 use crate::needs::Needs;
 use crate::project::Project;
@@ -57,8 +58,37 @@ pub fn command(project: &Project, words: &[&str]) -> Result<(), String> {
     }
     table.print();
     coverage::print(&trials)?;
-    let apart = apart(&trials.iter().collect::<Vec<_>>())?;
+    let mut apart = apart(&trials.iter().collect::<Vec<_>>())?;
+    if peers {
+        apart.extend(worse(&table));
+    }
+    apart.extend(rates::compare(project, &trials, peers)?);
     if apart.is_empty() { Ok(()) } else { Err(apart.join("\n")) }
+}
+
+/// Ours, and whom no trial may show it much worse than.
+const RIVALS: &[(&str, &str)] = &[("shisei-online", "vqf"), ("shisei", "vqf-offline")];
+
+/// Trials on which ours has more than 1.1 times the rival's inclination, or more than 1.1 times its heading error and
+/// a degree, a line each.
+fn worse(table: &Table) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (ours, rival) in RIVALS {
+        let place = |name: &str| table.names.iter().position(|other| *other == name);
+        let (Some(own), Some(other)) = (place(ours), place(rival)) else { continue };
+        for (trial, errors) in &table.rows {
+            let (own, other) = (&errors[own], &errors[other]);
+            if own.aligned_deg > 1.1 * other.aligned_deg {
+                let (a, b) = (own.aligned_deg, other.aligned_deg);
+                lines.push(format!("trial {trial}: inclination of {ours} {a:.3} degrees, of {rival} {b:.3}"));
+            }
+            if own.heading_deg > 1.1 * other.heading_deg + 1.0 {
+                let (a, b) = (own.heading_deg, other.heading_deg);
+                lines.push(format!("trial {trial}: heading of {ours} {a:.2} degrees, of {rival} {b:.2}"));
+            }
+        }
+    }
+    lines
 }
 
 /// What is more than 3 % from the figure that independent code gives on the even trials, a line each.
@@ -95,7 +125,7 @@ fn errors_of_peers(project: &Project, trial: &Trial) -> Result<Vec<Errors>, Stri
         .collect()
 }
 
-fn quaternions(file: &Path) -> Result<Vec<Quaternion>, String> {
+pub(super) fn quaternions(file: &Path) -> Result<Vec<Quaternion>, String> {
     let bytes = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
     let numbers = trial::numbers(&bytes);
     Ok(numbers.chunks_exact(4).map(|q| Quaternion::new(q[0], q[1], q[2], q[3])).collect())
@@ -210,6 +240,21 @@ mod tests {
                 "{name}: {tilt} {heading}"
             );
         }
+    }
+
+    #[test]
+    fn a_trial_that_is_worse_is_named() {
+        let errors = |deg: f64, heading_deg: f64| Errors {
+            raw_deg: deg,
+            aligned_deg: deg,
+            heading_deg,
+            drift_deg_min: 0.0,
+        };
+        let row = |ours: Errors| ("16".to_owned(), vec![ours, errors(0.3, 4.0)]);
+        let table = |ours: Errors| Table { names: vec!["shisei-online", "vqf"], rows: vec![row(ours)] };
+        assert_eq!(worse(&table(errors(0.32, 5.3))), Vec::<String>::new());
+        assert_eq!(worse(&table(errors(0.34, 5.3))).len(), 1);
+        assert_eq!(worse(&table(errors(0.34, 5.5))).len(), 2);
     }
 
     #[test]

@@ -8,4 +8,5 @@ pub mod doors;
 mod estimators;
 mod metrics;
 pub mod speed;
+mod rates;
 mod trial;

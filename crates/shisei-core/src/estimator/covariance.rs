@@ -9,7 +9,7 @@ use crate::vector::Vec3;
 /// Rows that a measurement changes together, from the diagonal's block to the right.
 const BLOCK: usize = 9;
 
-/// The covariance, N × N. After measurements only the blocks on and right of the diagonal are up to date, until
+/// The covariance, N × N. After measurements only the diagonal and what is right of it is up to date, until
 /// [`Covariance::settle`].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Covariance<const N: usize>(pub [[f64; N]; N]);
@@ -47,11 +47,18 @@ impl<const N: usize> Covariance<N> {
         }
     }
 
+    /// The first column of row a that is up to date while measurements are under way. Whole blocks go faster where
+    /// two numbers are added at once; the small filters run where each addition costs.
+    #[inline(always)]
+    fn first_column(a: usize) -> usize {
+        if N > BLOCK { a - a % BLOCK } else { a }
+    }
+
     /// Column `index` while measurements are under way.
     #[inline(always)]
     fn column(&self, index: usize) -> [f64; N] {
         let mut column = self.0[index];
-        for k in 0..index - index % BLOCK {
+        for k in 0..Self::first_column(index) {
             column[k] = self.0[k][index];
         }
         column
@@ -101,16 +108,16 @@ impl<const N: usize> Covariance<N> {
     fn subtract<const FIRST: usize>(&mut self, u: &[[f64; N]; 3]) {
         for a in FIRST..N.min(FIRST + BLOCK) {
             let (x, y, z) = (u[0][a], u[1][a], u[2][a]);
-            for b in FIRST..N {
+            for b in Self::first_column(a)..N {
                 self.0[a][b] -= (x * u[0][b] + y * u[1][b]) + z * u[2][b];
             }
         }
     }
 
-    /// Ends the measurements: left of the diagonal's blocks is what is right of them.
+    /// Ends the measurements: left of the diagonal is what is right of it.
     pub(super) fn settle(&mut self) {
-        for a in BLOCK..N {
-            for b in 0..a - a % BLOCK {
+        for a in 1..N {
+            for b in 0..Self::first_column(a) {
                 self.0[a][b] = self.0[b][a];
             }
         }

@@ -124,6 +124,8 @@ const SPEED_MEAN_S: f64 = 1.0;
 /// What a rate may be that was not read, rad/s, and an acceleration, m/s².
 const BLIND_RATE: f64 = 1.0;
 const BLIND_FORCE: f64 = 5.0;
+/// Of the turn that the change of rate makes in the part of a step for which no sample stands, this share is noise.
+const UNSEEN: f64 = 0.5;
 /// At rest a rate farther from the bias than this many standard deviations says that the bias jumped.
 const JUMP_SIGMAS: f64 = 6.0;
 /// Start of velocity and position: standard deviations, m/s and m.
@@ -242,14 +244,18 @@ impl<const N: usize> Engine<N> {
         let quarter = vector::scale(rate, 0.25 * dt);
         let middle = advance(self.nominal.world_from_body, quarter);
         let q = advance(middle, quarter);
-        let delay = self.model.acc_delay_s;
-        let at_force = if delay == 0.0 { q } else { q.product(exp_half(vector::scale(rate, 0.5 * delay))) };
-        let at_force = at_force.to_matrix();
+        // A sample stands for the usual step before it, so the acceleration belongs to the middle of that.
+        let middle_matrix = middle.to_matrix();
+        let delay = self.model.acc_delay_s + share * dt;
+        let at_force = if delay == 0.0 {
+            middle_matrix
+        } else {
+            middle.product(exp_half(vector::scale(rate, 0.5 * delay))).to_matrix()
+        };
         let f = self.nominal.force(now.1);
         let force_world =
             [vector::dot(at_force[0], f), vector::dot(at_force[1], f), vector::dot(at_force[2], f)];
-        let corrected =
-            Corrected { gyro, acc: now.1, rate, force_world, middle: middle.to_matrix(), at_force };
+        let corrected = Corrected { gyro, acc: now.1, rate, force_world, middle: middle_matrix, at_force };
         let mut linear = [force_world[0], force_world[1], force_world[2] - self.gravity];
         if !reading.acc_known {
             linear = [0.0; 3];
@@ -264,7 +270,9 @@ impl<const N: usize> Engine<N> {
         }
         self.sums.add(&corrected, dt);
         self.sums.acc_change_squared += vector::dot(acc_change, acc_change) * dt * dt;
-        self.sums.rate_change_squared += vector::dot(gyro_change, gyro_change) * dt * dt;
+        let change_squared = vector::dot(gyro_change, gyro_change) * dt * dt;
+        self.sums.rate_change_squared += change_squared;
+        self.sums.unseen_squared += share * share * change_squared;
 
         let n = &mut self.nominal;
         n.world_from_body = q;
@@ -368,6 +376,7 @@ impl<const N: usize> Engine<N> {
         let sq = |x: f64| x * x;
         let turning = sq(m.noise_per_rate) * sums.rate_squared
             + sq(m.noise_per_rate_change) * sums.rate_change_squared
+            + sq(UNSEEN) * sums.unseen_squared
             + sq(BLIND_RATE * sums.blind_rate_s);
         let acc = sq(m.velocity_noise) * t
             + sq(m.velocity_noise_per_change) * sums.acc_change_squared

@@ -175,7 +175,13 @@ impl LightEstimator {
         let middle = advance(self.q, quarter);
         self.q = advance(middle, quarter);
         let matrix = middle.to_matrix();
-        let mut force = self.q.rotate(reading.acc);
+        let mut force = if reading.irregular == 0.0 {
+            let a = reading.acc;
+            [vector::dot(matrix[0], a), vector::dot(matrix[1], a), vector::dot(matrix[2], a)]
+        } else {
+            // in the middle of the usual step, not of this one
+            middle.product(exp_half(vector::scale(rate, 0.5 * reading.irregular * dt))).rotate(reading.acc)
+        };
         if !reading.acc_known {
             force = [0.0, 0.0, self.settings.gravity_m_s2];
         }
@@ -234,6 +240,7 @@ impl LightEstimator {
             }
             self.covariance.measure(&mut error, &Rows::States(BIAS), z, r);
         }
+        self.covariance.settle();
         let turn = exp_half([0.5 * error[0], 0.5 * error[1], 0.5 * error[2]]);
         self.q = turn.product(self.q).normalized();
         for j in 0..3 {

@@ -142,6 +142,8 @@ pub(super) struct Interval {
     pub acc_change_squared: f64,
     /// Σ |change of y|² dt².
     pub rate_change_squared: f64,
+    /// The same of what of each step no sample stands for.
+    pub unseen_squared: f64,
     /// Σ y dt, rad.
     pub gyro: Vec3,
     /// Length, s.

@@ -56,7 +56,8 @@ pub struct Model {
     pub rest_speed: f64,
     /// `sgr`, (rad/s)√s: density of "the rate is the bias" at rest.
     pub rest_rate: f64,
-    /// Delay of accelerations against rates, s: positive where the acceleration belongs to a later attitude.
+    /// `ad`, s: delay of accelerations against rates: positive where the acceleration belongs to a later attitude than
+    /// that in the middle of its sample's step.
     pub acc_delay_s: f64,
 }
 
@@ -144,7 +145,7 @@ const QUICK: Model = Model {
     position_forget_s: 1.5,
     rest_speed: 0.0094,
     rest_rate: 0.001,
-    acc_delay_s: -0.0005,
+    acc_delay_s: 0.00125,
 };
 
 const CALM: Model = Model {
@@ -167,7 +168,7 @@ const CALM: Model = Model {
     position_forget_s: 0.0,
     rest_speed: 0.0056,
     rest_rate: 0.006,
-    acc_delay_s: 0.0,
+    acc_delay_s: 0.0015,
 };
 
 const BRIDGE: Model = Model {
