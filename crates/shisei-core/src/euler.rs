@@ -118,7 +118,8 @@ pub(crate) fn fill<O: AttitudeRow>(out: &mut [O], mut attitude: impl FnMut(usize
     let rest = if O::IN_LANES {
         let (together, rest) = out.as_chunks_mut::<LANES>();
         for rows in together {
-            *rows = O::from_lanes(&core::array::from_fn(|_| next()));
+            let q = [next(), next(), next(), next()];
+            *rows = O::from_lanes(&q);
         }
         rest
     } else {

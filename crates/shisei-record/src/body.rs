@@ -24,7 +24,6 @@ pub(crate) const TEMP: usize = 7;
 pub(crate) const COARSE: usize = 8;
 /// First slot of a gravity that is added to the acceleration.
 pub(crate) const GRAVITY: usize = 9;
-const SKIP: u8 = u8::MAX;
 
 /// How cells of a time column are read.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -152,10 +151,19 @@ struct Bad {
     incomplete: bool,
 }
 
+/// What is read from a column, and into which slot.
+#[derive(Clone, Copy, Debug)]
+enum Action {
+    Skip,
+    Number(u8),
+    Time(u8, TimeForm),
+}
+
 struct Reader<'a, 's> {
     sheet: &'a Sheet<'s>,
     wanted: &'a Wanted,
-    action: Vec<u8>,
+    /// What to do with each column.
+    action: Vec<Action>,
     /// Columns up to the last wanted one.
     needed: usize,
 }
@@ -169,10 +177,16 @@ pub(crate) fn read(sheet: &Sheet<'_>, wanted: &Wanted) -> Result<Body> {
 /// processors; what is read does not depend on their number.
 pub(crate) fn read_blocks(sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>) -> Result<Body> {
     let last = wanted.slot.iter().flatten().copied().max().unwrap_or(0);
-    let mut action = vec![SKIP; last + 1];
+    let mut action = vec![Action::Skip; last + 1];
     for (slot, column) in wanted.slot.iter().enumerate() {
+        let form = match slot {
+            TIME => wanted.time_form,
+            COARSE => wanted.coarse_form,
+            _ => TimeForm::Number,
+        };
         if let Some(place) = column.and_then(|c| action.get_mut(c)) {
-            *place = slot as u8;
+            let slot = slot as u8;
+            *place = if form == TimeForm::Number { Action::Number(slot) } else { Action::Time(slot, form) };
         }
     }
     let reader = Reader { sheet, wanted, action, needed: last + 1 };
@@ -451,35 +465,37 @@ impl Reader<'_, '_> {
     #[inline]
     fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [u8]) -> Option<usize> {
         let Delimiter::Byte(separator) = self.sheet.delimiter else { return None };
+        let decimal = self.sheet.decimal;
         let mut at = start;
         let last = self.needed - 1;
-        for ((column, slot), places) in self.action.iter().enumerate().zip(shape) {
-            if *slot == SKIP {
-                let rest = text.get(at..)?;
-                let end = rest.iter().position(|b| *b == separator || *b == b'\n' || *b == b'"')?;
-                if rest.get(end) != Some(&separator) {
-                    return None;
+        for ((column, action), places) in self.action.iter().enumerate().zip(shape) {
+            let end = match action {
+                Action::Number(slot) => {
+                    let place = row.get_mut(usize::from(*slot))?;
+                    let (value, end) = number::scan_like(text, at, decimal, places).or_else(|| {
+                        let blank = text.get(at) == Some(&b' ');
+                        if blank { number::scan_like(text, at + 1, decimal, places) } else { None }
+                    })?;
+                    *place = value;
+                    end
                 }
-                at += end + 1;
-                continue;
-            }
-            if text.get(at) == Some(&b' ') {
-                at += 1;
-            }
-            let special = (usize::from(*slot) == TIME && self.wanted.time_form != TimeForm::Number)
-                || (usize::from(*slot) == COARSE && self.wanted.coarse_form != TimeForm::Number);
-            let end = if special {
-                let form =
-                    if usize::from(*slot) == TIME { self.wanted.time_form } else { self.wanted.coarse_form };
-                let rest = text.get(at..)?;
-                let length = rest.iter().position(|b| *b == separator || *b == b'\n')?;
-                *row.get_mut(usize::from(*slot))? =
-                    time_cell(rest.get(..length)?, form, self.sheet.decimal).ok()?;
-                at + length
-            } else {
-                let (value, end) = number::scan_like(text, at, self.sheet.decimal, places)?;
-                *row.get_mut(usize::from(*slot))? = value;
-                end
+                Action::Skip => {
+                    let rest = text.get(at..)?;
+                    let end = rest.iter().position(|b| *b == separator || *b == b'\n' || *b == b'"')?;
+                    if rest.get(end) != Some(&separator) {
+                        return None;
+                    }
+                    at += end + 1;
+                    continue;
+                }
+                Action::Time(slot, form) => {
+                    at += usize::from(text.get(at) == Some(&b' '));
+                    let rest = text.get(at..)?;
+                    let length = rest.iter().position(|b| *b == separator || *b == b'\n')?;
+                    *row.get_mut(usize::from(*slot))? =
+                        time_cell(rest.get(..length)?, *form, decimal).ok()?;
+                    at + length
+                }
             };
             match text.get(end) {
                 Some(b) if *b == separator => at = end + 1,
@@ -505,16 +521,15 @@ impl Reader<'_, '_> {
             let problem = Problem::ShortRow { cells: cells.len(), needed: self.needed };
             return Err(Bad { problem, column: None, incomplete: true });
         }
-        for (column, slot) in self.action.iter().enumerate() {
-            if *slot == SKIP {
-                continue;
-            }
+        for (column, action) in self.action.iter().enumerate() {
             let cell = cells.get(column).copied().unwrap_or_default();
-            let read = match usize::from(*slot) {
-                TIME => time_cell(cell, self.wanted.time_form, decimal),
-                COARSE => time_cell(cell, self.wanted.coarse_form, decimal),
-                TEMP if self.wanted.lenient_temp => Ok(value(cell, decimal).unwrap_or(f64::NAN)),
-                _ => value(cell, decimal),
+            let (slot, read) = match action {
+                Action::Skip => continue,
+                Action::Time(slot, form) => (slot, time_cell(cell, *form, decimal)),
+                Action::Number(slot) if usize::from(*slot) == TEMP && self.wanted.lenient_temp => {
+                    (slot, Ok(value(cell, decimal).unwrap_or(f64::NAN)))
+                }
+                Action::Number(slot) => (slot, value(cell, decimal)),
             };
             match read {
                 Ok(value) => {

@@ -109,16 +109,21 @@ pub(crate) fn clipped(values: &[Vec3], floor: f64) -> ([usize; 3], Vec3) {
     let mut extreme = [0.0f64; 3];
     for v in values {
         for i in 0..3 {
-            extreme[i] = extreme[i].max(v[i].abs());
+            let size = v[i].abs();
+            extreme[i] = if size > extreme[i] { size } else { extreme[i] };
         }
     }
     let limit = extreme.map(|e| e * (1.0 - 1e-3));
     let (mut total, mut run, mut longest) = ([0usize; 3], [0usize; 3], [0usize; 3]);
     for v in values {
+        let at_end = [0, 1, 2].map(|i| v[i].abs() >= limit[i]);
+        if !(at_end[0] | at_end[1] | at_end[2]) {
+            run = [0; 3];
+            continue;
+        }
         for i in 0..3 {
-            let at_end = v[i].abs() >= limit[i];
-            run[i] = if at_end { run[i] + 1 } else { 0 };
-            total[i] += usize::from(at_end);
+            run[i] = if at_end[i] { run[i] + 1 } else { 0 };
+            total[i] += usize::from(at_end[i]);
             longest[i] = longest[i].max(run[i]);
         }
     }

@@ -3,7 +3,7 @@
 
 mod decimal;
 
-use decimal::WINDOW;
+use decimal::{Scratch, WINDOW};
 use std::collections::VecDeque;
 use std::io::{self, Write};
 use std::sync::{Mutex, mpsc};
@@ -35,17 +35,22 @@ struct Page {
 }
 
 impl Page {
-    #[inline]
     fn number(&mut self, value: f64, decimals: Decimals) {
-        if self.bytes.len() < self.length + WINDOW {
-            self.bytes.resize(2 * self.bytes.len() + 4 * WINDOW, 0);
-        }
-        let window = self.bytes.get_mut(self.length..self.length + WINDOW).and_then(|w| w.try_into().ok());
-        match (window.and_then(|window| decimal::number(window, value, decimals)), decimals) {
-            (Some(length), _) => self.length += length,
+        let mut scratch = Scratch::new();
+        match (scratch.number(value, decimals), decimals) {
+            (Some(text), _) => self.append(|out| out.extend_from_slice(bare(text, decimals))),
             (None, Decimals::Fixed(places)) => self.append(|out| decimal::long_number(out, value, places)),
             (None, Decimals::Shortest) => {} // always fits
         }
+    }
+
+    /// Room for `N` texts of numbers and what parts them.
+    #[inline(always)]
+    fn room<const N: usize>(&mut self) -> Option<&mut [u8; N]> {
+        if self.bytes.len() < self.length + N {
+            self.bytes.resize(2 * self.bytes.len() + 2 * N, 0);
+        }
+        self.bytes.get_mut(self.length..self.length + N)?.try_into().ok()
     }
 
     #[inline]
@@ -66,6 +71,15 @@ impl Page {
     fn text(mut self) -> Vec<u8> {
         self.bytes.truncate(self.length);
         self.bytes
+    }
+}
+
+/// Without `.0`.
+#[inline(always)]
+fn bare(text: &[u8], decimals: Decimals) -> &[u8] {
+    match decimals {
+        Decimals::Shortest => text.strip_suffix(b".0").unwrap_or(text),
+        Decimals::Fixed(_) => text,
     }
 }
 
@@ -120,9 +134,23 @@ impl Column<'_> {
         }
     }
 
-    #[inline]
+    /// The text of a cell, if it is a number or a flag that has room.
+    #[inline(always)]
+    fn text<'b>(&self, scratch: &'b mut Scratch, row: usize, decimals: Decimals) -> Option<&'b [u8]> {
+        let value = match self {
+            Column::Numbers(v) => v.get(row).copied(),
+            Column::Strided { values, stride, offset } => values.get(row * stride + offset).copied(),
+            Column::Computed { rows, value } => (row < *rows).then(|| value(row)),
+            Column::Flags(v) => return Some(if v.get(row) == Some(&true) { b"1" } else { b"0" }),
+            Column::Texts(_) => return None,
+        };
+        scratch.number(value.unwrap_or(f64::NAN), decimals)
+    }
+
+    /// Any cell.
     fn push(&self, out: &mut Page, row: usize, decimals: Decimals) {
         match self {
+            Column::Texts(v) => out.append(|out| push_text(out, v.get(row).map_or("", |t| t))),
             Column::Numbers(v) => out.number(v.get(row).copied().unwrap_or(f64::NAN), decimals),
             Column::Strided { values, stride, offset } => {
                 out.number(values.get(row * stride + offset).copied().unwrap_or(f64::NAN), decimals);
@@ -131,7 +159,6 @@ impl Column<'_> {
                 out.number(if row < *rows { value(row) } else { f64::NAN }, decimals);
             }
             Column::Flags(v) => out.byte(if v.get(row) == Some(&true) { b'1' } else { b'0' }),
-            Column::Texts(v) => out.append(|out| push_text(out, v.get(row).map_or("", |t| t))),
         }
     }
 }
@@ -149,6 +176,8 @@ pub fn push_text(out: &mut Vec<u8>, text: &str) {
 
 /// Rows that are made into text together; the text stays in the processor's cache.
 const ROWS: usize = 1024;
+/// Cells whose texts are made before they are joined.
+const CELLS: usize = 8;
 /// Numbers below which a table is written by one thread.
 const SMALL: usize = 1 << 18;
 
@@ -197,15 +226,51 @@ impl Table<'_> {
     /// The text of the rows from `start` on, as many as are made together.
     fn lines(&self, page: &mut Page, start: usize) {
         page.length = 0;
+        let mut scratch: [Scratch; CELLS] = std::array::from_fn(|_| Scratch::new());
         for row in start..self.rows.min(start + ROWS) {
-            for (i, column) in self.columns.iter().enumerate() {
-                if i > 0 {
-                    page.byte(b',');
+            for columns in self.columns.chunks(CELLS) {
+                if !self.cells(page, row, columns, &mut scratch) {
+                    for column in columns {
+                        column.push(page, row, self.decimals);
+                        page.byte(b',');
+                    }
                 }
-                column.push(page, row, self.decimals);
             }
+            page.length = page.length.saturating_sub(1); // the last comma
             page.byte(b'\n');
         }
+    }
+
+    /// Appends up to [`CELLS`] cells and a comma after each; not where one of them is a long text.
+    #[inline(always)]
+    fn cells(
+        &self,
+        page: &mut Page,
+        row: usize,
+        columns: &[Column<'_>],
+        scratch: &mut [Scratch; CELLS],
+    ) -> bool {
+        let mut texts: [&[u8]; CELLS] = [b""; CELLS];
+        for ((text, scratch), column) in texts.iter_mut().zip(scratch).zip(columns) {
+            match column.text(scratch, row, self.decimals) {
+                Some(made) => *text = made,
+                None => return false,
+            }
+        }
+        let Some(room) = page.room::<{ CELLS * (WINDOW + 1) }>() else { return false };
+        let mut at = 0;
+        for text in texts.iter().take(columns.len()) {
+            let Some(window) = room.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) else {
+                return false;
+            };
+            at += decimal::put(window, bare(text, self.decimals));
+            if let Some(place) = room.get_mut(at) {
+                *place = b',';
+            }
+            at += 1;
+        }
+        page.length += at;
+        true
     }
 
     /// Threads make the text, this one writes it in order.

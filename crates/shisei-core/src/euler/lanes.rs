@@ -2,7 +2,6 @@
 //!
 //! One attitude alone goes the same way, so that a row's bits do not depend on how many are asked for.
 
-use core::array;
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use super::GIMBAL_LOCK_COS;
@@ -35,23 +34,39 @@ const ARCTANGENT: [f64; 12] = [
 /// Yaw, pitch and roll of unit quaternions, `[yaw, pitch, roll]` a row, rad.
 #[inline(always)]
 pub(super) fn ypr<const N: usize>(q: &[Quaternion; N]) -> [[f64; 3]; N] {
-    let half_sum: [_; N] = array::from_fn(|i| [q[i].z + q[i].x, q[i].w - q[i].y]);
-    let half_difference: [_; N] = array::from_fn(|i| [q[i].z - q[i].x, q[i].w + q[i].y]);
-    let sine: [_; N] = array::from_fn(|i| 2.0 * (q[i].w * q[i].y - q[i].x * q[i].z));
-    // The squares of the two half angles' points are 1 ∓ sin(pitch): their product is cos²(pitch), with all its
-    // digits near ±π/2.
-    let square = |p: [f64; 2]| p[0] * p[0] + p[1] * p[1];
-    let cosine: [_; N] = array::from_fn(|i| math::sqrt(square(half_sum[i]) * square(half_difference[i])));
-    let pitch: [f64; N] = atan2(array::from_fn(|i| [sine[i], cosine[i]]));
-    let (sum, difference): ([f64; N], [f64; N]) = (atan2(half_sum), atan2(half_difference));
-    array::from_fn(|i| {
+    let [mut w, mut x, mut y, mut z] = [[0.0; N]; 4];
+    for i in 0..N {
+        [w[i], x[i], y[i], z[i]] = q[i].to_array();
+    }
+    let [mut sum_y, mut sum_x, mut difference_y, mut difference_x] = [[0.0; N]; 4];
+    let [mut sine, mut cosine] = [[0.0; N]; 2];
+    for i in 0..N {
+        [sum_y[i], sum_x[i]] = [z[i] + x[i], w[i] - y[i]];
+        [difference_y[i], difference_x[i]] = [z[i] - x[i], w[i] + y[i]];
+        sine[i] = 2.0 * (w[i] * y[i] - x[i] * z[i]);
+    }
+    for i in 0..N {
+        // The squares of the two half angles' points are 1 ∓ sin(pitch): their product is cos²(pitch), with all its
+        // digits near ±π/2.
+        let low = sum_y[i] * sum_y[i] + sum_x[i] * sum_x[i];
+        let high = difference_y[i] * difference_y[i] + difference_x[i] * difference_x[i];
+        cosine[i] = math::sqrt(low * high);
+    }
+    let pitch = atan2(&sine, &cosine);
+    let (sum, difference) = (atan2(&sum_y, &sum_x), atan2(&difference_y, &difference_x));
+    let [mut yaw, mut roll] = [[0.0; N]; 2];
+    for i in 0..N {
         // Gimbal lock. Nose up: only yaw − roll is determined; nose down: only yaw + roll.
         let locked = cosine[i] < GIMBAL_LOCK_COS;
         let half = either(sine[i] > 0.0, difference[i], sum[i]);
-        let yaw = wrapped(either(locked, 2.0 * half, sum[i] + difference[i]));
-        let roll = either(locked, 0.0, wrapped(sum[i] - difference[i]));
-        [yaw, pitch[i], roll]
-    })
+        yaw[i] = wrapped(either(locked, 2.0 * half, sum[i] + difference[i]));
+        roll[i] = either(locked, 0.0, wrapped(sum[i] - difference[i]));
+    }
+    let mut out = [[0.0; 3]; N];
+    for i in 0..N {
+        out[i] = [yaw[i], pitch[i], roll[i]];
+    }
+    out
 }
 
 #[inline(always)]
@@ -62,29 +77,30 @@ fn either(which: bool, yes: f64, no: f64) -> f64 {
 /// −2π … 2π to −π … π.
 #[inline(always)]
 fn wrapped(angle_rad: f64) -> f64 {
-    let down = either(angle_rad > PI, angle_rad - TAU, angle_rad);
-    either(angle_rad < -PI, angle_rad + TAU, down)
+    (angle_rad - either(angle_rad > PI, TAU, 0.0)) + either(angle_rad < -PI, TAU, 0.0)
 }
 
-/// Angles of the points `[y, x]`, rad in −π … π; 0 of the origin. Within 1e-15 rad.
+/// Angles of the points (x, y), rad in −π … π; 0 of the origin. Within 1e-15 rad.
 #[inline(always)]
-fn atan2<const N: usize>(point: [[f64; 2]; N]) -> [f64; N] {
-    array::from_fn(|i| {
-        let [y, x] = point[i];
+fn atan2<const N: usize>(y: &[f64; N], x: &[f64; N]) -> [f64; N] {
+    let mut out = [0.0; N];
+    for i in 0..N {
+        let (y, x) = (y[i], x[i]);
         let (above, beside) = (math::abs(y), math::abs(x));
         // The angle to the nearer axis, 0 … π/4, and beyond π/8 what it lacks to π/4.
         let steep = above > beside;
-        let (low, high) = (either(steep, beside, above), either(steep, above, beside));
+        let low = either(above < beside, above, beside);
+        let high = either(above > beside, above, beside);
         let far = low > TAN_PI_8 * high;
-        let top = either(far, low - high, low);
-        let bottom = either(far, low + high, high);
-        let t = top / either(bottom > 0.0, bottom, 1.0);
+        let top = low - either(far, high, 0.0);
+        let bottom = high + either(far, low, 0.0);
+        let t = top / (bottom + f64::MIN_POSITIVE);
         let u = t * t;
-        let near = t + t * u * polynomial(u);
-        let near = either(far, FRAC_PI_4 + near, near);
+        let near = (t + t * u * polynomial(u)) + either(far, FRAC_PI_4, 0.0);
         let right = either(steep, FRAC_PI_2 - near, near);
-        either(x < 0.0, PI - right, right).copysign(y)
-    })
+        out[i] = either(x < 0.0, PI - right, right).copysign(y);
+    }
+    out
 }
 
 /// In Estrin's order.
@@ -109,7 +125,7 @@ mod tests {
     fn atan2_of_all_directions() {
         let mut worst: f64 = 0.0;
         let mut check = |y: f64, x: f64| {
-            let [got] = atan2([[y, x]]);
+            let [got] = atan2(&[y], &[x]);
             worst = worst.max((got - math::atan2(y, x)).abs());
         };
         for k in 0..400_000 {
@@ -123,7 +139,7 @@ mod tests {
         assert!(worst <= 1e-15, "{worst:e}");
         for (y, x) in [(0.0, 1.0), (-0.0, 1.0), (0.0, 0.0), (-0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)]
         {
-            assert_eq!(atan2([[y, x]])[0].to_bits(), math::atan2(y, x).to_bits(), "{y} {x}");
+            assert_eq!(atan2(&[y], &[x])[0].to_bits(), math::atan2(y, x).to_bits(), "{y} {x}");
         }
     }
 }

@@ -1,64 +1,72 @@
-//! Numbers to decimal text, into a window of fixed size, so that copies are single moves.
+//! Numbers to decimal text. Each is made in a scratch of its own, so that its copying need not wait for it.
 
 use super::Decimals;
 use std::io::Write;
 
-/// Room that a number may take; longer ones go another way.
+/// Room that the text of a number may take; longer ones go another way.
 pub(super) const WINDOW: usize = 32;
 
-/// Writes a number at the start of the window and tells its length; nothing where it may not fit. NaN and
-/// infinities are `NaN`, `inf`, `-inf`.
-#[inline]
-pub(super) fn number(window: &mut [u8; WINDOW], value: f64, decimals: Decimals) -> Option<usize> {
-    if !value.is_finite() {
-        let text = special(value);
-        window[..text.len()].copy_from_slice(text);
-        return Some(text.len());
+/// Where the text of one number is made.
+pub(super) struct Scratch {
+    shortest: zmij::Buffer,
+    fixed: [u8; WINDOW],
+}
+
+impl Scratch {
+    pub fn new() -> Self {
+        Scratch { shortest: zmij::Buffer::new(), fixed: [0; WINDOW] }
     }
-    match decimals {
-        Decimals::Shortest => Some(shortest(window, value)),
-        Decimals::Fixed(places) => fixed(window, value, places.min(12)),
+
+    /// The text, with `.0` at the end of whole numbers in their shortest form; nothing where there is no room for it.
+    /// NaN and infinities are `NaN`, `inf`, `-inf`.
+    #[inline(always)]
+    pub fn number(&mut self, value: f64, decimals: Decimals) -> Option<&[u8]> {
+        if !value.is_finite() {
+            return Some(special(value));
+        }
+        match decimals {
+            Decimals::Shortest if value == 0.0 => Some(b"0"),
+            Decimals::Shortest => Some(self.shortest.format_finite(value).as_bytes()),
+            Decimals::Fixed(places) => {
+                let length = fixed(&mut self.fixed, value, places)?;
+                self.fixed.get(..length)
+            }
+        }
     }
 }
 
-/// What [`number`] left: ties, large numbers.
+/// Copies a text to the start of the window, with moves of fixed size that may overlap; gives its length.
+#[inline(always)]
+pub(super) fn put(window: &mut [u8; WINDOW], text: &[u8]) -> usize {
+    let n = text.len().min(WINDOW);
+    match n {
+        16.. => {
+            window[..16].copy_from_slice(&text[..16]);
+            window[n - 16..n].copy_from_slice(&text[n - 16..n]);
+        }
+        8.. => {
+            window[..8].copy_from_slice(&text[..8]);
+            window[n - 8..n].copy_from_slice(&text[n - 8..n]);
+        }
+        4.. => {
+            window[..4].copy_from_slice(&text[..4]);
+            window[n - 4..n].copy_from_slice(&text[n - 4..n]);
+        }
+        _ => {
+            for (to, from) in window.iter_mut().zip(text) {
+                *to = *from;
+            }
+        }
+    }
+    n
+}
+
+/// What [`Scratch::number`] left: ties, large numbers.
 #[cold]
 pub(super) fn long_number(out: &mut Vec<u8>, value: f64, places: u8) {
     let places = usize::from(places.min(12));
     // Writing to memory does not fail.
     let _ = write!(out, "{value:.places$}");
-}
-
-#[inline]
-fn shortest(window: &mut [u8; WINDOW], value: f64) -> usize {
-    let whole = value as i64;
-    let mut buffer = zmij::Buffer::new();
-    let text = if whole as f64 == value {
-        let size = whole.unsigned_abs();
-        if size < 10_000_000_000_000 {
-            window[0] = b'-';
-            let at = usize::from(whole < 0);
-            return if size == 0 { digit(window, 0, 0) } else { integer(window, at, size) };
-        }
-        let text = buffer.format_finite(value).as_bytes();
-        text.strip_suffix(b".0").unwrap_or(text)
-    } else {
-        buffer.format_finite(value).as_bytes()
-    };
-    let n = text.len();
-    // Two moves that overlap instead of one of unknown length.
-    if n >= 16 {
-        window[..16].copy_from_slice(&text[..16]);
-        window[n - 16..n].copy_from_slice(&text[n - 16..]);
-    } else if n >= 8 {
-        window[..8].copy_from_slice(&text[..8]);
-        window[n - 8..n].copy_from_slice(&text[n - 8..]);
-    } else {
-        for (to, from) in window.iter_mut().zip(text) {
-            *to = *from;
-        }
-    }
-    n
 }
 
 fn special(value: f64) -> &'static [u8] {
@@ -88,77 +96,88 @@ const TEN: [u64; 13] = [
     1_000_000_000_000,
 ];
 
-#[inline]
+#[inline(always)]
 fn fixed(window: &mut [u8; WINDOW], value: f64, places: u8) -> Option<usize> {
-    let places = usize::from(places);
-    let scale = TEN[places];
+    match places {
+        0 => fixed_to::<0>(window, value),
+        1 => fixed_to::<1>(window, value),
+        2 => fixed_to::<2>(window, value),
+        3 => fixed_to::<3>(window, value),
+        4 => fixed_to::<4>(window, value),
+        5 => fixed_to::<5>(window, value),
+        6 => fixed_to::<6>(window, value),
+        7 => fixed_to::<7>(window, value),
+        8 => fixed_to::<8>(window, value),
+        9 => fixed_to::<9>(window, value),
+        10 => fixed_to::<10>(window, value),
+        11 => fixed_to::<11>(window, value),
+        _ => fixed_to::<12>(window, value),
+    }
+}
+
+/// Added to a smaller number it rounds it to a whole one, which stands in the sum's last bits.
+const TWO_52: f64 = 4_503_599_627_370_496.0;
+
+/// With a constant number of decimals divisions become multiplications.
+#[inline(always)]
+fn fixed_to<const PLACES: usize>(window: &mut [u8; WINDOW], value: f64) -> Option<usize> {
+    let scale = TEN[PLACES];
     let size = if value < 0.0 { -value } else { value };
-    let scaled = size * scale as i64 as f64;
-    if scaled >= 4.5e12 {
+    let scaled = size * scale as f64;
+    // Below 2^39 the rounding of the product is less than 4e-5.
+    if scaled >= 549_755_813_888.0 {
         return None;
     }
-    let below = scaled as i64 as u64;
-    let rest = scaled - below as i64 as f64;
-    // Exact product with room to spare: the rounding of the product cannot move it over a half.
-    if (0.4999..=0.5001).contains(&rest) {
+    let rounded = scaled + TWO_52;
+    let n = rounded.to_bits() & ((1 << 52) - 1);
+    let rest = scaled - (rounded - TWO_52);
+    // So near to a half the exact product decides.
+    if !(-0.4999..=0.4999).contains(&rest) {
         return None;
     }
-    let n = below + u64::from(rest > 0.5);
-    let mut whole = size as i64 as u64;
-    let mut fraction = n - whole * scale;
-    if fraction >= scale {
-        whole += 1;
-        fraction -= scale;
-    }
+    let (whole, fraction) = (n / scale, n % scale);
     window[0] = b'-';
     let mut at = usize::from(value < 0.0 && n > 0);
     if whole < 10 {
-        at = digit(window, at, whole);
+        window[at] = b'0' + whole as u8;
+        at += 1;
     } else {
         at = integer(window, at, whole);
     }
-    if places > 0 {
+    if PLACES > 0 {
         window[at] = b'.';
-        let twelve = fraction * TEN[12 - places];
-        let (first, last) = ((twelve / 10_000) as u32, (twelve % 10_000) as u32);
-        let (a, b) = (first / 10_000, first % 10_000);
-        four(window, at + 1, a);
-        four(window, at + 5, b);
-        if places > 8 {
-            four(window, at + 9, last);
+        at += 1;
+        if PLACES <= 8 {
+            eight(window, at, fraction * TEN[8 - PLACES.min(8)]);
+        } else {
+            let last = TEN[PLACES.max(8) - 8];
+            eight(window, at, fraction / last);
+            eight(window, at + 8, fraction % last * TEN[16usize.saturating_sub(PLACES).min(12)]);
         }
-        at += 1 + places;
+        at += PLACES;
     }
     Some(at)
 }
 
-/// Two digits of every number below 100.
-const PAIRS: [[u8; 2]; 100] = {
-    let mut table = [[0u8; 2]; 100];
-    let mut i = 0;
-    while i < 100 {
-        table[i] = [b'0' + (i / 10) as u8, b'0' + (i % 10) as u8];
-        i += 1;
-    }
-    table
-};
-
-/// Writes a number below 10,000 with four digits.
+/// Writes a number below 10^8 with eight digits: halves, quarters and single digits side by side in one word.
 #[inline(always)]
-fn four(window: &mut [u8; WINDOW], at: usize, n: u32) {
-    let ([a, b], [c, d]) = (PAIRS[(n / 100) as usize % 100], PAIRS[(n % 100) as usize]);
-    window[at..at + 4].copy_from_slice(&[a, b, c, d]);
+fn eight(window: &mut [u8; WINDOW], at: usize, n: u64) {
+    let fours = (n / 10_000) | (n % 10_000) << 32;
+    let hundreds = ((fours * 10_486) >> 20) & 0x0000_007F_0000_007F;
+    let twos = hundreds | (fours - 100 * hundreds) << 16;
+    let tens = ((twos * 103) >> 10) & 0x000F_000F_000F_000F;
+    let ones = tens | (twos - 10 * tens) << 8;
+    window[at..at + 8].copy_from_slice(&(ones | 0x3030_3030_3030_3030).to_le_bytes());
 }
 
-/// Writes one digit; gives the place after it.
-#[inline(always)]
-fn digit(window: &mut [u8; WINDOW], at: usize, n: u64) -> usize {
-    window[at] = b'0' + n as u8;
-    at + 1
-}
-
-/// Writes an integer of up to 13 digits; gives the place after it.
+/// Writes an integer of up to 12 digits; gives the place after it.
+#[inline]
 fn integer(window: &mut [u8; WINDOW], at: usize, mut n: u64) -> usize {
+    if n < 100 {
+        window[at] = b'0' + (n / 10) as u8;
+        window[at + 1] = b'0' + (n % 10) as u8;
+        return at + 2;
+    }
     let mut digits = [0u8; 16];
     let mut first = digits.len();
     while n > 0 && first > 0 {
