@@ -44,7 +44,7 @@ pub struct Fuse {
     /// The inertial recording of the same object (two files where accelerometer and gyroscope are apart)
     #[arg(required = true, value_name = "IMU.csv")]
     pub imu: Vec<PathBuf>,
-    /// Where the fused take goes, by its ending: .csv, .parquet, .sto, .mot, .glb; may be given several times (default: NAME.fused.csv here)
+    /// Where the fused take goes, by its ending: .csv, .parquet, .sto, .mot, .glb, .mcap; may be given several times (default: NAME.fused.csv here)
     #[arg(short, long = "output", value_name = "OUT", id = "fused")]
     pub outputs: Vec<PathBuf>,
     /// Write the take with its gaps filled as Motive's CSV too

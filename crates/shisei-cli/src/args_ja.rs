@@ -28,7 +28,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ("imu", "同じ物体の慣性センサの記録 (加速度とジャイロが別の場合は 2 ファイル)"),
     (
         "fused",
-        "統合結果の出力先。拡張子で形式が決まります: .csv、.parquet、.sto、.mot、.glb。複数指定できます (省略時は作業ディレクトリの NAME.fused.csv)",
+        "統合結果の出力先。拡張子で形式が決まります: .csv、.parquet、.sto、.mot、.glb、.mcap。複数指定できます (省略時は作業ディレクトリの NAME.fused.csv)",
     ),
     ("motive", "欠落を補ったテイクを Motive の CSV としても書き出します"),
     ("body", "センサを付けた剛体、または SKELETON:BONE (テイクに複数ある場合)"),

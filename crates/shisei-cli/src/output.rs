@@ -35,6 +35,8 @@ pub enum Kind {
     Mot,
     /// Binary glTF.
     Glb,
+    /// A fused take as MCAP.
+    Mcap,
     /// Another table: Allan curves, directions.
     Table,
 }
@@ -56,6 +58,7 @@ impl Kind {
             Kind::Sto => head.starts_with(b"DataRate=") && has("DataType=Quaternion"),
             Kind::Mot => has("inDegrees=yes") && has("_tx\t"),
             Kind::Glb => head.starts_with(b"glTF") && has("\"generator\":\"shisei"),
+            Kind::Mcap => head.starts_with(b"\x89MCAP0\r\n") && has("shisei "),
             Kind::Calibration => has("\"shisei-calibration\""),
             Kind::Parquet => head.starts_with(b"PAR1"),
         }

@@ -4,7 +4,8 @@
 //! from the accelerometer ([`crate::sync::lever`]); with the sensor's biases and scales taken out, the bridging
 //! smoother ([`crate::estimator::bridge`]) runs over the whole recording with the optical poses as measurements.
 //! Frames that the cameras saw keep what they saw. In a gap the smoother's motion is taken, shifted by what it is
-//! off beside the gap's two ends, from the one linearly to the other, so that next to nothing jumps.
+//! off beside the gap's two ends, so that next to nothing jumps: in position linearly from the one to the other, in
+//! attitude as the mean of a Gauss–Markov process that is known at both ends.
 
 pub mod relative;
 
@@ -31,7 +32,10 @@ const LEVER_SIGMA_M: f64 = 0.03;
 /// Poses of neighbouring frames further apart than this many usual steps are not interpolated.
 const NEIGHBOUR_STEPS: f64 = 1.5;
 /// Over so much of sight beside a gap the smoother is compared with the cameras, s.
-const PIN_S: f64 = 0.05;
+const PIN_S: f64 = 0.1;
+/// What the cameras are off in attitude depends on the attitude, and so is forgotten as the body turns: in this time,
+/// s, where it is turned about.
+const FORGET_S: f64 = 2.0;
 /// Inertial samples further apart than this leave a hole, s.
 const HOLE_S: f64 = 0.1;
 
@@ -395,6 +399,17 @@ fn off_over(
     (count > 0.0).then(|| (vector::scale(turn, 1.0 / count), vector::scale(shift, 1.0 / count)))
 }
 
+/// Weights of what is known at both ends of a gap for a Gauss–Markov process in between.
+fn forgetting(age_s: f64, length_s: f64) -> (f64, f64) {
+    let kept = |seconds: f64| math::exp(-seconds / FORGET_S);
+    let (from, to, across) = (kept(age_s), kept(length_s - age_s), kept(length_s));
+    let free = 1.0 - across * across;
+    if free <= 0.0 {
+        return (1.0, 0.0);
+    }
+    ((from - across * to) / free, (to - across * from) / free)
+}
+
 fn fill(
     optical: &Optical<'_>,
     motion: &Motion<'_>,
@@ -425,7 +440,8 @@ fn fill(
         let from_s = before.map_or(time_s[first], |frame| time_s[frame]);
         let to_s = time_s.get(end).copied().unwrap_or(time_s[end - 1]);
         let length_s = to_s - from_s;
-        let held = left.is_some() && right.is_some() && length_s <= settings.position_trust_s;
+        let pinned = left.is_some() && right.is_some();
+        let held = pinned && length_s <= settings.position_trust_s;
         let source = if held { Source::Bridged } else { Source::Inertial };
         let (left, right) = (left.or(right).unwrap_or_default(), right.or(left).unwrap_or_default());
         let mut gap = FilledGap { first, end, length_s, source, sigma_rad: 0.0, sigma_m: 0.0 };
@@ -436,10 +452,14 @@ fn fill(
                 continue;
             };
             let share = if length_s > 0.0 { (time_s[frame] - from_s) / length_s } else { 0.0 };
-            let mix = |a: Vec3, b: Vec3| vector::add(vector::scale(a, 1.0 - share), vector::scale(b, share));
-            let turn = Quaternion::from_rotation_vector(mix(left.0, right.0));
+            let mix = |(a, b): (Vec3, Vec3), (of_a, of_b): (f64, f64)| {
+                vector::add(vector::scale(a, of_a), vector::scale(b, of_b))
+            };
+            let linear = (1.0 - share, share);
+            let turning = if pinned { forgetting(frames[frame].gap_s, length_s) } else { linear };
+            let turn = Quaternion::from_rotation_vector(mix((left.0, right.0), turning));
             frames[frame].pose = Some(Pose {
-                position_m: vector::add(moved.pose.position_m, mix(left.1, right.1)),
+                position_m: vector::add(moved.pose.position_m, mix((left.1, right.1), linear)),
                 world_from_body: turn.product(moved.pose.world_from_body).normalized(),
             });
             frames[frame].source = source;

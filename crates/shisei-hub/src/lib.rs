@@ -2,6 +2,7 @@
 //!
 //! - [`session`]: bytes of the serial line in; samples with time and frame, events, losses and clock quality out;
 //! - [`take`]: an MCAP recording of raw bytes and decoded samples that loses at most half a second when it is cut;
+//! - [`fused`]: a fused take as MCAP;
 //! - [`read`]: such a recording back, whole or cut;
 //! - [`natnet`]: the stream of OptiTrack's Motive, decoded and encoded;
 //! - [`live`]: sensors and cameras together, as poses with their source and expected error;
@@ -11,6 +12,7 @@
 #![warn(missing_docs)]
 
 mod cdr;
+pub mod fused;
 pub mod live;
 pub mod natnet;
 pub mod read;

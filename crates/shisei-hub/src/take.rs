@@ -251,14 +251,7 @@ impl<W: Write> Take<W> {
     }
 
     fn channel(&mut self, topic: &str, schema: Option<&Schema>) -> io::Result<u16> {
-        let (schema_id, encoding) = match schema {
-            None => (0, "application/octet-stream"),
-            Some(s) => {
-                let id = self.writer.add_schema(s.name, s.encoding, s.text.as_bytes()).map_err(other)?;
-                (id, s.message_encoding)
-            }
-        };
-        self.writer.add_channel(schema_id, topic, encoding, &BTreeMap::new()).map_err(other)
+        add_channel(&mut self.writer, topic, schema)
     }
 
     /// Closes the chunk and hands it to the system: what was given so far survives the end of this process.
@@ -287,20 +280,35 @@ impl<W: Write> Take<W> {
     }
 }
 
-fn other(error: mcap::McapError) -> io::Error {
+pub(crate) fn add_channel<W: Write + io::Seek>(
+    writer: &mut mcap::Writer<W>,
+    topic: &str,
+    schema: Option<&Schema>,
+) -> io::Result<u16> {
+    let (schema_id, encoding) = match schema {
+        None => (0, "application/octet-stream"),
+        Some(s) => {
+            let id = writer.add_schema(s.name, s.encoding, s.text.as_bytes()).map_err(other)?;
+            (id, s.message_encoding)
+        }
+    };
+    writer.add_channel(schema_id, topic, encoding, &BTreeMap::new()).map_err(other)
+}
+
+pub(crate) fn other(error: mcap::McapError) -> io::Error {
     io::Error::other(error)
 }
 
-struct Schema {
-    name: &'static str,
-    encoding: &'static str,
-    message_encoding: &'static str,
-    text: &'static str,
+pub(crate) struct Schema {
+    pub name: &'static str,
+    pub encoding: &'static str,
+    pub message_encoding: &'static str,
+    pub text: &'static str,
 }
 
 const IMU: Schema =
     Schema { name: cdr::NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::DEFINITION };
-const POSE: Schema =
+pub(crate) const POSE: Schema =
     Schema { name: cdr::POSE_NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::POSE_DEFINITION };
 const FUSED: Schema = Schema {
     name: "shisei.Fused",

@@ -7,13 +7,14 @@ use crate::run::{Run, must};
 
 pub const SUITE: Suite = Suite {
     name: "optical",
-    about: "moving bodies as glTF, by Khronos' validator",
+    about: "moving bodies for other programs: glTF by Khronos' validator, MCAP by its Python package, OpenSim's tables",
     needs: |_| Needs {
         apt: vec![Apt::program("nodejs", "node"), Apt::program("npm", "npm")],
         npm: vec!["gltf-validator@2.0.0-dev.3.10"],
+        pip: vec!["mcap"],
         ..Needs::default()
     },
-    wants: |_| Needs::default(),
+    wants: |_| Needs { pip: vec!["opensim"], ..Needs::default() },
     run,
 };
 
@@ -27,10 +28,20 @@ fn run(run: &mut Run<'_>) {
     node.arg("crates/shisei-record/tests/validate_gltf.mjs").arg(project.target().join("npm/node_modules"));
     node.args([folder.join("tool.glb"), folder.join("nothing.glb")]);
     run.step("glTF validator", &mut node);
+    for (name, script) in [
+        ("MCAP by its Python package", "crates/shisei-hub/tests/check_fused.py"),
+        ("OpenSim's tables", "crates/shisei-record/tests/check_sto.py"),
+    ] {
+        let mut python = project.command(project.venv_python());
+        run.step(name, python.arg(script).arg(&folder));
+    }
 }
 
 fn write(project: &Project, folder: &std::path::Path) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    let mut cargo = project.cargo();
-    must(cargo.args(["run", "--quiet", "-p", "shisei-record", "--example", "tracks"]).arg(folder))
+    for (package, example) in [("shisei-record", "tracks"), ("shisei-hub", "fused")] {
+        let mut cargo = project.cargo();
+        must(cargo.args(["run", "--quiet", "-p", package, "--example", example]).arg(folder))?;
+    }
+    Ok(())
 }

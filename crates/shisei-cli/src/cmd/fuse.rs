@@ -9,6 +9,7 @@ use shisei_core::fuse::{FilledGap, FusedFrame, Source as PoseSource};
 use shisei_core::sync::lever::Lever;
 use shisei_core::sync::rates::Sync;
 use shisei_core::{Lang, Quaternion, Vec3};
+use shisei_hub::fused::{self as fused_take, FusedTake};
 use shisei_record::motive::{self, Body, Take};
 use shisei_record::track::fused::Fused;
 use shisei_record::track::{Track, gltf, opensim};
@@ -113,11 +114,15 @@ fn kind(path: &Path, lang: Lang) -> Outcome<Kind> {
         Some("sto") => Ok(Kind::Sto),
         Some("mot") => Ok(Kind::Mot),
         Some("glb") => Ok(Kind::Glb),
+        Some("mcap") => Ok(Kind::Mcap),
         _ => Err(Failure::input(say(
             lang,
-            format!("{}: the ending says no format; use .csv, .parquet, .sto, .mot or .glb", path.display()),
             format!(
-                "{}：拡張子から形式が分かりません。.csv、.parquet、.sto、.mot、.glb のいずれかにしてください",
+                "{}: the ending says no format; use .csv, .parquet, .sto, .mot, .glb or .mcap",
+                path.display()
+            ),
+            format!(
+                "{}：拡張子から形式が分かりません。.csv、.parquet、.sto、.mot、.glb、.mcap のいずれかにしてください",
                 path.display()
             ),
         ))),
@@ -138,6 +143,16 @@ fn write(out: &mut dyn Write, kind: Kind, done: &Done) -> io::Result<()> {
         Kind::Sto => opensim::sto(out, &track),
         Kind::Mot => opensim::mot(out, &track),
         Kind::Glb => gltf::glb(out, &track),
+        Kind::Mcap => fused_take::write(
+            out,
+            &FusedTake {
+                body: &done.name,
+                frame: &done.take.frame,
+                time_s: &done.time_s,
+                frames,
+                axes: done.from,
+            },
+        ),
         _ => fused.csv(out),
     }
 }

@@ -72,6 +72,8 @@ fn a_take_is_filled_and_written_in_every_format() {
         "a.mot",
         "-o",
         "a.glb",
+        "-o",
+        "a.mcap",
         "--motive",
         "filled.csv",
     ]);
@@ -105,6 +107,8 @@ fn a_take_is_filled_and_written_in_every_format() {
     assert!(mot.contains(&format!("nRows={}\nnColumns=7\n", frames.len())), "{mot:.200}");
     let glb = std::fs::read(desk.file("a.glb")).expect("written");
     assert!(glb.starts_with(b"glTF") && glb.len().is_multiple_of(4));
+    let mcap = std::fs::read(desk.file("a.mcap")).expect("written");
+    assert!(mcap.starts_with(b"\x89MCAP0\r\n") && mcap.ends_with(b"\x89MCAP0\r\n"));
     assert!(std::fs::read(desk.file("a.parquet")).expect("written").starts_with(b"PAR1"));
     assert!(desk.text("take.fused.html").contains("<html"));
 

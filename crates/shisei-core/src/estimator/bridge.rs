@@ -22,9 +22,11 @@ use crate::vector::{self, Vec3};
 /// How well the optical system sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BridgeSettings {
-    /// Standard deviation of an optical attitude, rad: 0.0052 (0.3°). Large values let gravity decide the tilt.
+    /// Standard deviation of an optical attitude, rad: 0.0075 (0.43°), more than cameras scatter, because their errors
+    /// last from frame to frame. Large values let gravity decide the tilt.
     pub attitude_rad: f64,
-    /// Standard deviation of an optical position, m: 0.003.
+    /// Standard deviation of an optical position, m: 0.0005. In a gap it decides how well the
+    /// velocity at its ends is known.
     pub position_m: f64,
     /// Standard deviation of the lever arm from sensor to the body's point, m, about zero: 0.02.
     pub lever_m: f64,
@@ -32,7 +34,7 @@ pub struct BridgeSettings {
 
 impl Default for BridgeSettings {
     fn default() -> Self {
-        BridgeSettings { attitude_rad: 0.0052, position_m: 0.003, lever_m: 0.02 }
+        BridgeSettings { attitude_rad: 0.0075, position_m: 5e-4, lever_m: 0.02 }
     }
 }
 

@@ -174,9 +174,9 @@ const CALM: Model = Model {
 const BRIDGE: Model = Model {
     tilt_noise: 1.75e-4,
     heading_noise: 1.75e-4,
-    noise_per_rate: 0.002,
-    velocity_noise: 0.01,
-    velocity_noise_per_change: 0.1,
+    noise_per_rate: 5e-4,
+    velocity_noise: 0.03,
+    velocity_noise_per_change: 0.2,
     gyro_bias_walk: 1.75e-5,
     acc_bias_start: 0.05,
     acc_bias_walk: 1e-5,
