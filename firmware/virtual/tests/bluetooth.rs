@@ -48,7 +48,13 @@ fn run(
     });
     for item in &recorded.items {
         if let Item::Event(event) = item {
-            println!("{:9.3} s: node {}: {:?} {}", event.time_us as f64 * 1e-6, event.node, event.code, event.value);
+            println!(
+                "{:9.3} s: node {}: {:?} {}",
+                event.time_us as f64 * 1e-6,
+                event.node,
+                event.code,
+                event.value
+            );
         }
     }
     (controllers, recorded)

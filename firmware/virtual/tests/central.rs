@@ -1,0 +1,76 @@
+//! bumble's own central finds our node, reads it, subscribes, sets it.
+
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+
+use virtual_firmware::{DeviceClock, VirtualNode, free_ports, monotonic_us, open, python, script};
+
+#[test]
+fn a_central_that_is_not_ours_uses_our_node() {
+    let clock = DeviceClock { base_us: monotonic_us(), offset_us: 1e6, ppm: 40.0 };
+    let port = free_ports(1)[0];
+    let mut central = Command::new(python())
+        .arg(script("central.py"))
+        .args([
+            clock.base_us.to_string(),
+            port.to_string(),
+            clock.offset_us.to_string(),
+            clock.ppm.to_string(),
+        ])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut lines = BufReader::new(central.stdout.take().unwrap()).lines();
+    assert_eq!(lines.next().unwrap().unwrap(), "ready");
+    let told = std::thread::spawn(move || lines.next().map(|line| line.unwrap()));
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
+    let local = tokio::task::LocalSet::new();
+    let node = VirtualNode { address: [1, 0, 0, 0, 0xee, 0xff], boot: 4711, name: "node-1".into(), clock };
+    local.block_on(&runtime, async {
+        tokio::task::spawn_local(async move { node.run(open(port).await).await });
+        while !told.is_finished() {
+            tokio::time::sleep(std::time::Duration::from_millis(50)).await;
+        }
+    });
+    assert!(central.wait().unwrap().success());
+    let told: serde_json::Value = serde_json::from_str(&told.join().unwrap().expect("it tells")).unwrap();
+    let upper = told["advertised"].to_string().to_uppercase();
+    assert!(upper.contains("1F523310-9E1C-4E4D-B12A-5CCB61700001"), "{upper}");
+    assert_eq!(told["mtu"], 247);
+    for (number, properties) in [(2, 0x10), (3, 0x08), (4, 0x02)] {
+        let characteristics = told["characteristics"].as_object().unwrap();
+        let name = format!("1F523310-9E1C-4E4D-B12A-5CCB6170{number:04X}");
+        let found = characteristics.iter().find(|(uuid, _)| uuid.to_uppercase().contains(&name));
+        assert_eq!(found.map(|(_, value)| value.as_i64()), Some(Some(properties)), "{characteristics:?}");
+    }
+    // 3987 mV, 25.12 °C, the version, boot 4711, the name.
+    let version: String = shisei_device::FIRMWARE.iter().map(|part| format!("{part:02x}")).collect();
+    let hex = |text: &str| text.bytes().map(|byte| format!("{byte:02x}")).collect::<String>();
+    assert_eq!(told["status"], format!("930fd009{version}6712{}", hex("node-1")));
+    assert_eq!(told["renamed"], format!("930fd009{version}6712{}", hex("left-hand")));
+    check(&told["before"], 4, 0);
+    check(&told["after"], 10, 1);
+}
+
+/// Packets of `count` samples with this filter, nothing missing, 120 Hz, the sensor's counts.
+fn check(packets: &serde_json::Value, count: u64, filter: u64) {
+    let packets: Vec<_> =
+        packets.as_array().unwrap().iter().filter(|packet| packet["count"] == count).collect();
+    assert!(packets.len() as u64 * count >= 120, "{} packets", packets.len());
+    for two in packets.windows(2) {
+        let [sequence, next] = [0, 1].map(|k: usize| two[k]["sequence"].as_u64().unwrap());
+        assert_eq!((sequence + count) & 0xffff, next);
+        let [time, later] = [0, 1].map(|k: usize| two[k]["time_us"].as_u64().unwrap());
+        let step = (later - time) as f64 / count as f64;
+        assert!((step - 8333.3).abs() < 1.0, "{step}");
+    }
+    for packet in packets {
+        assert_eq!(packet["boot"], 4711);
+        assert_eq!(packet["flags"].as_u64().unwrap() >> 8 & 3, filter);
+        for sample in packet["samples"].as_array().unwrap() {
+            let values: Vec<i64> =
+                sample.as_array().unwrap().iter().map(|value| value.as_i64().unwrap()).collect();
+            assert_eq!(values[1..7], [3, -2, 1, 0, 0, 4098]);
+        }
+    }
+}
