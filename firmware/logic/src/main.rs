@@ -1,5 +1,5 @@
-//! Prints, for each filter, the bits of the node's packets and the instructions of a sample: the readings of a tick
-//! with integration, filter and queue. With `-icount shift=0` QEMU's clock advances by 1 ns an instruction, so a tick
+//! Prints, for each filter, the bits of the node's packets and the instructions of a sample: of the filter alone, and
+//! whole, with the seven readings of a tick, their integration and the queue. With `-icount shift=0` QEMU's clock advances by 1 ns an instruction, so a tick
 //! of the board's 25 MHz timer is 40.
 #![no_std]
 #![no_main]
@@ -16,23 +16,43 @@ use shisei_wire::packet::FilterKind;
 const INSTRUCTIONS_PER_TICK: u64 = 40;
 /// The timer counts down through 24 bits.
 const RELOAD: u32 = 0x00FF_FFFF;
-/// Readings a sample: 833 / 120 Hz.
-const READINGS: (u64, u64) = (833, 120);
+/// Instructions between two calls, after the start: sum, worst and how many.
+#[derive(Default)]
+struct Count {
+    begun: u32,
+    sum: u64,
+    worst: u64,
+    times: u64,
+}
 
-fn report(name: &str, filter: FilterKind) {
-    let (mut begun, mut sum, mut worst) = (0, 0, 0);
-    let (hash, samples) = work::run(filter, |k, before| {
+impl Count {
+    fn look(&mut self, reading: u64, before: bool) {
+        let now = SYST::get_current();
         if before {
-            begun = SYST::get_current();
-        } else if k > work::STARTED {
-            let took = u64::from(begun.wrapping_sub(SYST::get_current()) & RELOAD) * INSTRUCTIONS_PER_TICK;
-            sum += took;
-            worst = u64::max(worst, took);
+            self.begun = now;
+        } else if reading > work::STARTED {
+            let took = u64::from(self.begun.wrapping_sub(now) & RELOAD) * INSTRUCTIONS_PER_TICK;
+            self.sum += took;
+            self.worst = self.worst.max(took);
+            self.times += 1;
         }
-    });
-    let readings = work::READINGS - work::STARTED - 1;
-    let mean = sum * READINGS.0 / (readings * READINGS.1);
-    hprintln!("{} {:016x} {} samples, mean {} worst {} instructions", name, hash, samples, mean, worst);
+    }
+}
+
+fn report(name: &str, kind: FilterKind) {
+    let (mut filter, mut whole) = (Count::default(), Count::default());
+    core::hint::black_box(work::filter(kind, |reading, before| filter.look(reading, before)));
+    let (hash, samples) = work::run(kind, |reading, before| whole.look(reading, before));
+    let mean = filter.sum / filter.times.max(1);
+    hprintln!(
+        "{} {:016x} {} samples, filter mean {} worst {} whole {}",
+        name,
+        hash,
+        samples,
+        mean,
+        filter.worst,
+        whole.sum / filter.times.max(1)
+    );
 }
 
 #[entry]

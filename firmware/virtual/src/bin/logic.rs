@@ -12,5 +12,8 @@ fn main() {
         let (hash, samples) = work::run(filter, |_, before| readings += u64::from(before));
         println!("{name} {hash:016x} {samples} samples");
     }
+    assert!(
+        work::filter(FilterKind::Complementary, |_, _| {}).to_array().iter().all(|part| part.is_finite())
+    );
     assert!(readings > work::STARTED && readings == 2 * work::READINGS);
 }
