@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
-use shisei_hub::{Session, Take, read};
+use shisei_hub::{Item, Sample, Session, Take, read};
+use shisei_record::{Input, Options, Problem, open};
 use shisei_twin::lab::{Lab, Settings};
 
 /// A disk with so much room.
@@ -131,4 +132,51 @@ fn a_full_disk_is_said_and_loses_nothing_earlier() {
 fn what_is_no_recording_is_an_error() {
     assert!(read::raw(b"time_s,acc_x\n0,1\n", |_, _, _| {}).is_err());
     assert!(read::raw(b"", |_, _, _| {}).is_err());
+}
+
+/// What `shisei orient take.mcap` and `shisei fuse` read: the session's samples, and their frames as a column.
+#[test]
+fn the_importer_reads_our_recordings_whole_and_cut() {
+    let disk = Disk::default();
+    let (given, _, outcome) = record(disk.clone());
+    outcome.unwrap();
+    let (mut session, mut items) = (Session::default(), Vec::new());
+    session.push(&given, &mut items);
+    let told: Vec<Sample> = items
+        .iter()
+        .filter_map(|item| if let Item::Sample(sample) = item { Some(*sample) } else { None })
+        .filter(|sample| sample.node == 1 && sample.time_s.is_some())
+        .collect();
+    let whole = disk.bytes.lock().unwrap().clone();
+    let options = |sensor: Option<&str>| Options {
+        sensor: sensor.map(str::to_owned),
+        keep: vec!["*".into()],
+        ..Options::default()
+    };
+    let read = |bytes: &[u8], sensor| open(&[Input { name: "take.mcap", bytes }], &options(sensor));
+    match read(&whole, None) {
+        Err(error) => {
+            assert!(matches!(error.problem, Problem::ManySensors { ref names } if names.len() == 2))
+        }
+        Ok(_) => panic!("two nodes, and none was asked for"),
+    }
+    for sensor in ["1", "node 1", "node1"] {
+        let recording = read(&whole, Some(sensor)).unwrap();
+        assert_eq!(recording.len(), told.len());
+        let frames = recording.extra.iter().find(|extra| extra.name == "frame").unwrap();
+        let start_s = told[0].time_s.unwrap();
+        for (k, sample) in told.iter().enumerate() {
+            assert_eq!(recording.gyro_rad_s[k], sample.gyro_rad_s);
+            assert_eq!(recording.acc_m_s2[k], sample.acc_m_s2);
+            assert!((recording.time_s[k] - (sample.time_s.unwrap() - start_s)).abs() < 1e-9);
+            let frame: Option<f64> = frames.cells[k].parse().ok();
+            let close = frame.zip(sample.frame).is_some_and(|(read, told)| (read - told).abs() < 1e-9);
+            assert!(close || frame == sample.frame);
+        }
+        assert!(recording.warnings.iter().all(|note| note.code != "mcap-cut"));
+    }
+    // Cut anywhere: what was flushed is there, and it is said.
+    let cut = read(&whole[..whole.len() * 2 / 3], Some("1")).unwrap();
+    assert!(cut.len() > told.len() / 2 && cut.len() < told.len());
+    assert!(cut.warnings.iter().any(|note| note.code == "mcap-cut"));
 }

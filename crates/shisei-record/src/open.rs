@@ -177,6 +177,7 @@ pub(crate) fn unpack<'a>(input: &Input<'a>) -> Result<Cow<'a, [u8]>> {
     for (magic, format) in [
         (b"PK\x03\x04".as_slice(), "a ZIP archive or an Excel workbook (.xlsx)"),
         (b"\xD0\xCF\x11\xE0", "an old Excel workbook (.xls)"),
+        #[cfg(not(feature = "mcap"))]
         (b"\x89MCAP0\r\n", "an MCAP file"),
         (b"\x89HDF\r\n", "an HDF5 or MATLAB file"),
         (b"MATLAB", "a MATLAB file"),

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::time::Duration;
 
-use shisei_hub::{Item, Sample};
+use shisei_hub::{Item, Sample, Take};
 use shisei_wire::message::EventCode;
 use virtual_firmware::{CAMERA_HZ, Controllers, Recorded, VirtualNode, listen};
 
@@ -48,7 +48,13 @@ fn run(
     });
     for item in &recorded.items {
         if let Item::Event(event) = item {
-            println!("{:9.3} s: node {}: {:?} {}", event.time_us as f64 * 1e-6, event.node, event.code, event.value);
+            println!(
+                "{:9.3} s: node {}: {:?} {}",
+                event.time_us as f64 * 1e-6,
+                event.node,
+                event.code,
+                event.value
+            );
         }
     }
     (controllers, recorded)
@@ -127,6 +133,17 @@ fn six_nodes_lose_nothing() {
     // What went over the line, for a reader that is not ours.
     if let Ok(path) = std::env::var("SHISEI_FRAMES") {
         std::fs::write(path, &recorded.bytes).unwrap();
+    }
+    // The same as a recording whose process was killed.
+    if let Ok(path) = std::env::var("SHISEI_TAKE") {
+        let mut take = Take::new(std::fs::File::create(path).unwrap(), "virtual").unwrap();
+        for (k, item) in (0..).zip(&recorded.items) {
+            take.item(item, duration_s, 1_700_000_000_000_000_000 + k).unwrap();
+            if k % 200 == 0 {
+                take.flush().unwrap();
+            }
+        }
+        take.flush().unwrap();
     }
 }
 

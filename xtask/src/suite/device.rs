@@ -1,4 +1,5 @@
-//! A Cortex-M4F, emulated: the same bits as the host; and the Spresense sketch, on this machine and for the board.
+//! The devices without hardware: a Cortex-M4F, emulated, gives the host's bits; firmware for the boards; nodes and
+//! receiver over virtual Bluetooth; the Spresense sketch, on this machine and for the board.
 
 use std::time::Duration;
 
@@ -6,16 +7,19 @@ use super::Suite;
 use crate::cross::CORTEX_M4F;
 use crate::digests;
 use crate::firmware;
+use crate::logic;
 use crate::needs::{Apt, Needs};
 use crate::project::{Project, on_path};
 use crate::run::{Run, heading, must, output_within};
+use crate::virtual_bluetooth;
 
 pub const SUITE: Suite = Suite {
     name: "device",
-    about: "the core's digest on an emulated Cortex-M4F, firmware and UF2 files, the Spresense sketch",
+    about: "emulated Cortex-M4F, firmware and UF2 files, virtual Bluetooth, the Spresense sketch",
     needs: |project| {
         let mut needs = firmware::needs(project);
         needs.apt.push(Apt::program("qemu-system-arm", "qemu-system-arm"));
+        needs.pip.extend(virtual_bluetooth::PIP);
         needs
     },
     wants: |_| Needs {
@@ -32,6 +36,9 @@ pub const SUITE: Suite = Suite {
 fn run(run: &mut Run<'_>) {
     heading("digest on Cortex-M4F");
     digests::compare(run, CORTEX_M4F.triple, emulate(run.project));
+    heading("the node's logic on Cortex-M4F");
+    logic::compare(run);
+    virtual_bluetooth::run(run);
     heading("firmware");
     for board in firmware::BOARDS {
         let packed = firmware::build(run.project, board).and_then(|program| firmware::pack(&program));
@@ -85,14 +92,6 @@ fn emulate(project: &Project) -> Result<String, String> {
     // In its folder, for the linker's options in its .cargo/config.toml.
     must(CORTEX_M4F.cargo_build(project).current_dir(project.root.join("firmware/digest")))?;
     let mut qemu = project.command("qemu-system-arm");
-    qemu.args([
-        "-M",
-        "mps2-an386",
-        "-nographic",
-        "-semihosting-config",
-        "enable=on,target=native",
-        "-kernel",
-    ]);
-    qemu.arg(CORTEX_M4F.products(project).join("digest-firmware"));
+    qemu.args(logic::QEMU).arg(CORTEX_M4F.products(project).join("digest-firmware"));
     output_within(&mut qemu, Duration::from_secs(300))
 }

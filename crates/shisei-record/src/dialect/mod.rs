@@ -19,6 +19,8 @@ mod gaitmap;
 mod gyroflow;
 mod headerless;
 pub mod maker;
+#[cfg(feature = "mcap")]
+mod mcap;
 mod metawear;
 mod microstrain;
 mod mu01;
@@ -96,7 +98,11 @@ pub const ALL: &[Dialect] = &[
 ];
 
 /// All dialects of whole files.
-const WHOLE: &[WholeFile] = &[spresense::DIALECT];
+const WHOLE: &[WholeFile] = &[
+    spresense::DIALECT,
+    #[cfg(feature = "mcap")]
+    mcap::DIALECT,
+];
 
 /// The dialect of a sheet.
 pub(crate) fn of(sheet: &Sheet<'_>, asked: Option<&str>) -> Dialect {
