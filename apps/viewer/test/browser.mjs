@@ -29,7 +29,7 @@ const url = await hub.listen();
   await soon("nothing is bridged at first", async () => (await amber()) < 12);
   hub.gap_s = hub.occlusion_s;
   await soon("an occlusion turns the colour", async () => (await amber()) > 60);
-  check("the list says so", (await page.locator("#bodies .row").first().textContent()).includes("bridged"));
+  await soon("the list says so", async () => (await page.locator("#bodies .row").first().textContent()).includes("bridged"));
   check("and shows another sign than for optical", (await page.locator("#bodies .row svg").first().innerHTML()).includes("dash"));
   await soon("what vanished is said", async () => (await page.locator("#bodies .row").nth(2).textContent()).includes("vanished"));
   await checks.shot(page, "en-dark-occluded");

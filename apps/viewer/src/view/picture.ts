@@ -33,6 +33,9 @@ const INSIDE = new Float32Array([0.05]);
 /** A node's box, and that of a body without markers: half sizes, m. */
 const NODE_BOX = [0.03, 0.02, 0.008] as const;
 const PLAIN_BOX = [0.06, 0.04, 0.02] as const;
+/** More names than this hide each other on a narrow screen; that of the chosen body is shown all the same. */
+const CROWD = 8;
+const NARROW_PX = 720;
 /** Where bodies stand that have no position: in a row. */
 const ROW = { x: -1.1, y: -1, step: 0.4, z: 1 } as const;
 
@@ -78,6 +81,8 @@ export class Picture {
   private version = -1;
   private readonly place = new Float64Array(3);
   private readonly size = new Float32Array(2);
+  private named = 0;
+  private crowded = false;
 
   constructor(private readonly stage: Stage, private readonly world: World, private readonly settings: Settings) {
     stage.scene.add(this.ground.mesh, this.spots.mesh, this.faces.mesh, this.trails.lines, this.links.mesh, this.dots.mesh, this.marks.mesh);
@@ -141,6 +146,7 @@ export class Picture {
         shownSource: -1,
       };
     });
+    this.named = this.forms.filter((form) => form.label !== null).length;
   }
 
   /** Where a body is drawn: its place, or one in the row of those that have none. */
@@ -195,6 +201,7 @@ export class Picture {
     spots.begin();
     faces.begin();
     trails.begin();
+    this.crowded = this.stage.width < NARROW_PX && this.named > CROWD;
     for (let k = 0; k < world.bodies.length; k++) this.body(world.bodies[k]!, this.forms[k]!, world.bodies[k] === chosen);
     for (let k = 0; k < world.markerCount; k++) dots.add(world.markers_m, k, SINGLE, this.markerTint, Round.Ball);
     links.finish();
@@ -278,7 +285,7 @@ export class Picture {
 
     const { label } = form;
     if (!label) return;
-    label.sprite.visible = this.settings.labels || chosen;
+    label.sprite.visible = (this.settings.labels && !this.crowded) || chosen;
     label.sprite.position.set(px, py, pz + (bone ? 0.12 : 0.05));
     if (form.shownSource !== body.source) {
       form.shownSource = body.source;
