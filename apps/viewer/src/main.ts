@@ -35,7 +35,10 @@ let following = false;
 let framed_ms = -1;
 let status: Status | null = null;
 
-const connection = new Connection(streamAddress(location), heard, (link) => bar.setLink(link));
+const connection = new Connection(streamAddress(location), heard, (link) => {
+  if (link === "lost") world.lost();
+  bar.setLink(link);
+});
 const toasts = new Toasts();
 const bar = new Bar(connection, notSent);
 const list = new List(world, (body) => choose(body === chosen ? null : body));

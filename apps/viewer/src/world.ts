@@ -120,6 +120,11 @@ export class World {
     body.history.add(this.time_s, body.angles_deg, body.sigma_deg, body.source, known ? body.position_m[0]! : NaN, known ? body.position_m[1]! : NaN, known ? body.position_m[2]! : NaN);
   }
 
+  /** Without a hub nothing is known to be where it was. */
+  lost(): void {
+    for (const body of this.bodies) body.source = Source.None;
+  }
+
   /** What no message has named for a while has vanished: nothing stands still silently. True when one changed. */
   expire(now_ms: number): boolean {
     let changed = false;

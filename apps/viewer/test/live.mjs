@@ -6,10 +6,11 @@
 import { spawn } from "node:child_process";
 import { mkdtempSync, readdirSync, rmSync, statSync } from "node:fs";
 import { tmpdir } from "node:os";
-import { join } from "node:path";
+import { join, resolve } from "node:path";
 import { bodies, Checks, inked, launch, open, text } from "./page.mjs";
 
-const [program, shots] = process.argv.slice(2);
+const [given, shots] = process.argv.slice(2);
+const program = given && resolve(given);
 if (!program) {
   console.error("usage: node test/live.mjs PATH_OF_SHISEI [SCREENSHOT_DIR]");
   process.exit(2);
@@ -60,8 +61,8 @@ try {
   const amber = async () => inked(page, "--bridged");
   const bridged = async () => (await bodies(page)).filter((b) => b.source === 2 && b.kind === "body");
   await soon("an occlusion turns the colour", async () => (await bridged()).length > 0 && (await amber()) > 15, 60000);
-  check("the list says so", (await page.locator('#bodies .row[data-source="2"]').allTextContents()).join().includes("bridged"));
   await checks.shot(page, "live-en-dark-occluded");
+  await soon("the list says so", async () => (await page.locator('#bodies .row[data-source="2"]').allTextContents()).join().includes("bridged"), 60000);
   const [hidden] = await bridged();
   await soon("the body comes back", async () => !hidden || (await bodies(page)).find((b) => b.id === hidden.id)?.source === 1, 60000);
   await soon("and so does the colour", async () => (await amber()) < 15, 60000);

@@ -14,14 +14,14 @@ export class Toasts {
   show(note: Note): void {
     const text = note[lang()];
     for (const old of this.root.children) {
-      if (!(old instanceof HTMLElement) || old.dataset["text"] !== text) continue;
+      if (!(old instanceof HTMLElement) || old.dataset["note"] !== text) continue;
       const times = Number(old.dataset["times"] ?? 1) + 1;
       old.dataset["times"] = String(times);
       find("small", old).textContent = `×${times}`;
       return;
     }
     const toast = make("div", `toast ${note.level}`);
-    toast.dataset["text"] = text;
+    toast.dataset["note"] = text;
     const close = closeButton(() => toast.remove(), "dismiss");
     toast.append(icon(SIGNS[note.level]), make("p", "", text), make("small"), close);
     this.root.append(toast);

@@ -92,19 +92,18 @@ export class Dots {
     this.count = 0;
   }
 
-  add(x: number, y: number, z: number, radius: number, rgba: Float32Array, solidity: number, shape: Shape): void {
+  /** At place `at` of an array of world coordinates. `size`: radius, how solid. Arrays for the same reason as in links.ts. */
+  add(points: Float32Array, at: number, size: Float32Array, rgba: Float32Array, shape: Shape): void {
     if (this.count >= this.most) return;
     const k = this.count++;
     const p = this.place.array;
     const t = this.tint.array;
-    p[4 * k] = x;
-    p[4 * k + 1] = y;
-    p[4 * k + 2] = z;
-    p[4 * k + 3] = radius;
-    t[4 * k] = rgba[0]!;
-    t[4 * k + 1] = rgba[1]!;
-    t[4 * k + 2] = rgba[2]!;
-    t[4 * k + 3] = rgba[3]! * solidity;
+    for (let axis = 0; axis < 3; axis++) {
+      p[4 * k + axis] = points[3 * at + axis]!;
+      t[4 * k + axis] = rgba[axis]!;
+    }
+    p[4 * k + 3] = size[0]!;
+    t[4 * k + 3] = rgba[3]! * size[1]!;
     this.shape.array[k] = shape;
   }
 

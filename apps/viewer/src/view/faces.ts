@@ -30,7 +30,7 @@ export class Faces {
   }
 
   /** A triangle of three places in an array of world coordinates. */
-  add(points: Float32Array, a: number, b: number, c: number, rgba: Float32Array, solidity: number): void {
+  add(points: Float32Array, a: number, b: number, c: number, rgba: Float32Array, solidity: Float32Array): void {
     if (this.count >= this.most) return;
     const k = this.count++;
     const p = this.place.array;
@@ -44,7 +44,7 @@ export class Faces {
       t[12 * k + 4 * corner] = rgba[0]!;
       t[12 * k + 4 * corner + 1] = rgba[1]!;
       t[12 * k + 4 * corner + 2] = rgba[2]!;
-      t[12 * k + 4 * corner + 3] = rgba[3]! * solidity;
+      t[12 * k + 4 * corner + 3] = rgba[3]! * solidity[0]!;
     }
   }
 

@@ -72,25 +72,24 @@ export class Links {
     this.count = 0;
   }
 
-  add(ax: number, ay: number, az: number, ar: number, bx: number, by: number, bz: number, br: number, rgba: Float32Array, solidity: number, pattern: Pattern): void {
+  /**
+   * A bar between places `a` and `b` of an array of world coordinates. `bar`: radius at either end, how solid. Arrays
+   * and whole numbers only: other numbers would be boxed by every call.
+   */
+  add(points: Float32Array, a: number, b: number, bar: Float32Array, rgba: Float32Array, pattern: Pattern): void {
     if (this.count >= this.most) return;
     const k = this.count++;
-    const { start, end, tint } = this;
-    const s = start.array;
-    const e = end.array;
-    const t = tint.array;
-    s[4 * k] = ax;
-    s[4 * k + 1] = ay;
-    s[4 * k + 2] = az;
-    s[4 * k + 3] = ar;
-    e[4 * k] = bx;
-    e[4 * k + 1] = by;
-    e[4 * k + 2] = bz;
-    e[4 * k + 3] = br;
-    t[4 * k] = rgba[0]!;
-    t[4 * k + 1] = rgba[1]!;
-    t[4 * k + 2] = rgba[2]!;
-    t[4 * k + 3] = rgba[3]! * solidity;
+    const s = this.start.array;
+    const e = this.end.array;
+    const t = this.tint.array;
+    for (let axis = 0; axis < 3; axis++) {
+      s[4 * k + axis] = points[3 * a + axis]!;
+      e[4 * k + axis] = points[3 * b + axis]!;
+      t[4 * k + axis] = rgba[axis]!;
+    }
+    s[4 * k + 3] = bar[0]!;
+    e[4 * k + 3] = bar[1]!;
+    t[4 * k + 3] = rgba[3]! * bar[2]!;
     this.pattern.array[k] = pattern;
   }
 

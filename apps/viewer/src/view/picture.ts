@@ -13,26 +13,48 @@ import { Links } from "./links";
 import type { Stage } from "./stage";
 import { Trails } from "./trails";
 
-const MARKER_M = 0.008;
-const EDGE_M = 0.003;
-const AXIS_M = 0.0042;
-const JOINT_M = 0.02;
+/** Radii at both ends, m, and how solid. */
+const bar = (from_m: number, to_m: number, solidity: number): Float32Array => new Float32Array([from_m, to_m, solidity]);
+const EDGE = bar(0.003, 0.003, 1);
+const EDGE_CHOSEN = bar(0.0045, 0.0045, 1);
+const AXIS = bar(0.0042, 0.0042, 1);
+const AXIS_FAINT = bar(0.0042, 0.0042, 0.6);
+const BONE = bar(0.018, 0.009, 0.92);
+const DROP = bar(0.0008, 0.0008, 0.16);
+const DROP_CHOSEN = bar(0.0008, 0.0008, 0.5);
+/** Radius, m, and how solid. */
+const dot = (radius_m: number, solidity = 1): Float32Array => new Float32Array([radius_m, solidity]);
+const MARKER = dot(0.008);
+const SINGLE = dot(0.0064);
+const JOINT = dot(0.02);
+const CROSS = dot(0.035, 2);
+const INSIDE_SEEN = new Float32Array([0.09]);
+const INSIDE = new Float32Array([0.05]);
 /** A node's box, and that of a body without markers: half sizes, m. */
 const NODE_BOX = [0.03, 0.02, 0.008] as const;
 const PLAIN_BOX = [0.06, 0.04, 0.02] as const;
+/** More names than this hide each other on a narrow screen; that of the chosen body is shown all the same. */
+const CROWD = 8;
+const NARROW_PX = 720;
 /** Where bodies stand that have no position: in a row. */
-const ROW = { x: -1.6, y: -1.2, step: 0.4, z: 1 } as const;
+const ROW = { x: -1.1, y: -1, step: 0.4, z: 1 } as const;
 
 const AXES = [new Float32Array([0.88, 0.27, 0.25, 1]), new Float32Array([0.2, 0.66, 0.32, 1]), new Float32Array([0.25, 0.45, 0.95, 1])] as const;
 
 /** What the scene says of a body's shape, made once. */
 interface Form {
-  /** Corners or markers in the body's frame, and in the world. */
+  /**
+   * In the body's frame: markers or corners, then the origin and the tips of the three axes; in the world the same,
+   * then the place on the floor below and the bone it hangs on.
+   */
   local: Float32Array;
   world: Float32Array;
+  /** Markers or corners. */
+  points: number;
   edges: Uint16Array;
   faces: Uint16Array;
-  axis: number;
+  /** What rings it when it is chosen. */
+  ring: Float32Array;
   /** Real markers are shown as balls, corners of a box are not. */
   balls: boolean;
   label: Label | null;
@@ -58,6 +80,9 @@ export class Picture {
   private readonly drop = new Float32Array([0.5, 0.5, 0.5, 1]);
   private version = -1;
   private readonly place = new Float64Array(3);
+  private readonly size = new Float32Array(2);
+  private named = 0;
+  private crowded = false;
 
   constructor(private readonly stage: Stage, private readonly world: World, private readonly settings: Settings) {
     stage.scene.add(this.ground.mesh, this.spots.mesh, this.faces.mesh, this.trails.lines, this.links.mesh, this.dots.mesh, this.marks.mesh);
@@ -108,17 +133,20 @@ export class Picture {
         label.size(this.stage.unit);
         this.stage.scene.add(label.sprite);
       }
+      const axis = what.kind === "bone" ? 0.05 : Math.min(0.16, Math.max(0.07, 0.9 * size));
       return {
-        local: new Float32Array(points.flat()),
-        world: new Float32Array(3 * points.length),
+        local: new Float32Array([...points.flat(), 0, 0, 0, axis, 0, 0, 0, axis, 0, 0, 0, axis]),
+        world: new Float32Array(3 * (points.length + 6)),
+        points: points.length,
         edges: new Uint16Array(shape.edges),
         faces: new Uint16Array(shape.faces),
-        axis: what.kind === "bone" ? 0.05 : Math.min(0.16, Math.max(0.07, 0.9 * size)),
+        ring: dot(what.kind === "bone" ? 0.032 : 1.15 * axis),
         balls: own,
         label,
         shownSource: -1,
       };
     });
+    this.named = this.forms.filter((form) => form.label !== null).length;
   }
 
   /** Where a body is drawn: its place, or one in the row of those that have none. */
@@ -173,9 +201,9 @@ export class Picture {
     spots.begin();
     faces.begin();
     trails.begin();
+    this.crowded = this.stage.width < NARROW_PX && this.named > CROWD;
     for (let k = 0; k < world.bodies.length; k++) this.body(world.bodies[k]!, this.forms[k]!, world.bodies[k] === chosen);
-    const m = world.markers_m;
-    for (let k = 0; k < world.markerCount; k++) dots.add(m[3 * k]!, m[3 * k + 1]!, m[3 * k + 2]!, 0.8 * MARKER_M, this.markerTint, 1, Round.Ball);
+    for (let k = 0; k < world.markerCount; k++) dots.add(world.markers_m, k, SINGLE, this.markerTint, Round.Ball);
     links.finish();
     dots.finish();
     marks.finish();
@@ -205,54 +233,59 @@ export class Picture {
     const r20 = 2 * (x * z - w * y);
     const r21 = 2 * (y * z + w * x);
     const r22 = 1 - 2 * (x * x + y * y);
-    const faint = body.source === Source.None ? 0.6 : 1;
-
-    const { local, world: corner, edges, faces } = form;
+    const { local, world, points, edges, faces } = form;
     for (let k = 0; k < local.length; k += 3) {
       const a = local[k]!;
       const b = local[k + 1]!;
       const c = local[k + 2]!;
-      corner[k] = px + r00 * a + r01 * b + r02 * c;
-      corner[k + 1] = py + r10 * a + r11 * b + r12 * c;
-      corner[k + 2] = pz + r20 * a + r21 * b + r22 * c;
-      if (form.balls) this.dots.add(corner[k]!, corner[k + 1]!, corner[k + 2]!, MARKER_M, rgba, 1, Round.Ball);
+      world[k] = px + r00 * a + r01 * b + r02 * c;
+      world[k + 1] = py + r10 * a + r11 * b + r12 * c;
+      world[k + 2] = pz + r20 * a + r21 * b + r22 * c;
     }
-    const edge = chosen ? 1.5 * EDGE_M : EDGE_M;
-    for (let k = 0; k < edges.length; k += 2) {
-      const a = 3 * edges[k]!;
-      const b = 3 * edges[k + 1]!;
-      this.links.add(corner[a]!, corner[a + 1]!, corner[a + 2]!, edge, corner[b]!, corner[b + 1]!, corner[b + 2]!, edge, rgba, 1, pattern);
-    }
-    const inside = body.source === Source.Optical ? 0.09 : 0.05;
-    for (let k = 0; k < faces.length; k += 3) this.faces.add(corner, faces[k]!, faces[k + 1]!, faces[k + 2]!, rgba, inside);
+    const foot = points + 4;
+    world[3 * foot] = px;
+    world[3 * foot + 1] = py;
+    world[3 * foot + 2] = 0.001;
+
+    const vanished = body.source === Source.None;
+    if (form.balls) for (let k = 0; k < points; k++) this.dots.add(world, k, MARKER, rgba, Round.Ball);
+    const edge = chosen ? EDGE_CHOSEN : EDGE;
+    for (let k = 0; k < edges.length; k += 2) this.links.add(world, edges[k]!, edges[k + 1]!, edge, rgba, pattern);
+    const inside = body.source === Source.Optical ? INSIDE_SEEN : INSIDE;
+    for (let k = 0; k < faces.length; k += 3) this.faces.add(world, faces[k]!, faces[k + 1]!, faces[k + 2]!, rgba, inside);
 
     const bone = body.what.kind === "bone";
     if (bone) {
-      this.dots.add(px, py, pz, JOINT_M, rgba, 1, Round.Ball);
-      const parent = body.parent;
+      this.dots.add(world, points, JOINT, rgba, Round.Ball);
+      const { parent } = body;
       if (parent && parent.placed && body.placed) {
-        const from = parent.position_m;
-        this.links.add(from[0]!, from[1]!, from[2]!, 0.9 * JOINT_M, px, py, pz, 0.45 * JOINT_M, rgba, 0.92, pattern);
+        const from = points + 5;
+        for (let axis = 0; axis < 3; axis++) world[3 * from + axis] = parent.position_m[axis]!;
+        this.links.add(world, from, points, BONE, rgba, pattern);
       }
     }
     if (!bone || chosen) {
-      const axis = form.axis;
-      this.links.add(px, py, pz, AXIS_M, px + r00 * axis, py + r10 * axis, pz + r20 * axis, AXIS_M, AXES[0], faint, Pattern.Solid);
-      this.links.add(px, py, pz, AXIS_M, px + r01 * axis, py + r11 * axis, pz + r21 * axis, AXIS_M, AXES[1], faint, Pattern.Solid);
-      this.links.add(px, py, pz, AXIS_M, px + r02 * axis, py + r12 * axis, pz + r22 * axis, AXIS_M, AXES[2], faint, Pattern.Solid);
+      const thick = vanished ? AXIS_FAINT : AXIS;
+      for (let axis = 0; axis < 3; axis++) this.links.add(world, points, points + 1 + axis, thick, AXES[axis]!, Pattern.Solid);
     }
     if (!bone) {
-      this.spots.add(px, py, 0.001, 0.09 + 0.05 * Math.max(0, Math.min(2, pz)), this.shade, 0.28 * faint, Round.Spot);
-      if (pz > 0.02) this.links.add(px, py, 0, 0.0008, px, py, pz, 0.0008, this.drop, chosen ? 0.5 : 0.16, Pattern.Solid);
+      this.size[0] = 0.09 + 0.05 * Math.max(0, Math.min(2, pz));
+      this.size[1] = vanished ? 0.17 : 0.28;
+      this.spots.add(world, foot, this.size, this.shade, Round.Spot);
+      this.links.add(world, foot, points, chosen ? DROP_CHOSEN : DROP, this.drop, Pattern.Solid);
       if (this.settings.trails && body.what.kind === "body") this.trails.add(body, this.looks);
     }
-    if (body.source === Source.None && (!bone || body.parent === null)) this.marks.add(px, py, pz, 0.035, rgba, 2, Round.Cross);
-    if (body.source === Source.Bridged && body.sigma_mm > 0 && !bone) this.marks.add(px, py, pz, Math.min(0.6, 0.002 * body.sigma_mm), rgba, 1, Round.Halo);
-    if (chosen) this.marks.add(px, py, pz, bone ? 1.6 * JOINT_M : 1.15 * form.axis, rgba, 1, Round.Ring);
+    if (vanished && (!bone || body.parent === null)) this.marks.add(world, points, CROSS, rgba, Round.Cross);
+    if (body.source === Source.Bridged && body.sigma_mm > 0 && !bone) {
+      this.size[0] = Math.min(0.6, 0.002 * body.sigma_mm);
+      this.size[1] = 1;
+      this.marks.add(world, points, this.size, rgba, Round.Halo);
+    }
+    if (chosen) this.marks.add(world, points, form.ring, rgba, Round.Ring);
 
     const { label } = form;
     if (!label) return;
-    label.sprite.visible = this.settings.labels || chosen;
+    label.sprite.visible = (this.settings.labels && !this.crowded) || chosen;
     label.sprite.position.set(px, py, pz + (bone ? 0.12 : 0.05));
     if (form.shownSource !== body.source) {
       form.shownSource = body.source;

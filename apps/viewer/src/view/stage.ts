@@ -8,7 +8,7 @@ const NEAREST_M = 0.15;
 const FARTHEST_M = 40;
 /** Fewer frames a second than this for a while: fewer pixels. */
 const SLOW_MS = 1000 / 48;
-const FEWEST = 0.5;
+const FEWEST = 0.7;
 
 export type View = "top" | "front" | "side" | "corner";
 
@@ -111,7 +111,7 @@ export class Stage {
     else direction.copy(this.camera.position).sub(target);
     const free = (this.width - this.inset[0]! - this.inset[2]!) / this.height;
     const narrow = Math.min(1, Math.max(0.3, free));
-    const distance = (1.0 * Math.max(radius, 0.3)) / Math.sin((FOV_DEG * Math.PI) / 360) / narrow;
+    const distance = (0.82 * Math.max(radius, 0.3)) / Math.sin((FOV_DEG * Math.PI) / 360) / narrow;
     target.set(x, y, z);
     this.camera.position.copy(target).addScaledVector(direction.normalize(), distance);
     this.controls.update();
