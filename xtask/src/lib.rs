@@ -12,6 +12,7 @@ pub mod installer;
 pub mod needs;
 pub mod project;
 pub mod run;
+pub mod soak;
 pub mod suite;
 pub mod tally;
 pub mod tidy;

@@ -4,6 +4,7 @@
 //! - [`take`]: an MCAP recording of raw bytes and decoded samples that loses at most half a second when it is cut;
 //! - [`read`]: such a recording back, whole or cut;
 //! - [`natnet`]: the stream of OptiTrack's Motive, decoded and encoded;
+//! - [`osc`]: poses for programs of avatars and of sound;
 //! - [`live`]: sensors and cameras together, as poses with their source and expected error;
 //! - [`server`]: the page, the stream and the status, for browsers and programs.
 //!
@@ -13,6 +14,7 @@
 mod cdr;
 pub mod live;
 pub mod natnet;
+pub mod osc;
 pub mod read;
 pub mod server;
 pub mod session;

@@ -138,9 +138,7 @@ fn follow(found: &Found, line: &Line, port: &Arc<str>) -> io::Result<()> {
     let _ = listener.stream.push(&found.words);
     let thread = group.map(|socket| {
         let (mut listener, over) = (listener.clone(), Arc::clone(&over));
-        std::thread::spawn(move || {
-            while !over.load(Ordering::Relaxed) && listener.listen(&socket).is_ok() {}
-        })
+        std::thread::spawn(move || while !over.load(Ordering::Relaxed) && listener.listen(&socket).is_ok() {})
     });
     let outcome = attend(found, &mut listener, line, &heard, &changed);
     over.store(true, Ordering::Relaxed);
@@ -204,11 +202,8 @@ impl Listener {
     /// Takes one packet, or waits a little. An error: nobody takes packets any more.
     fn listen(&mut self, socket: &UdpSocket) -> io::Result<()> {
         let mut bytes = vec![0; PACKET_MAX];
-        let (count, from) = match socket.recv_from(&mut bytes) {
-            Ok(got) => got,
-            // an answer that a port is closed comes as an error of the next read
-            Err(_) => return Ok(()),
-        };
+        // that a port is closed comes as an error of the next read, and is none here
+        let Ok((count, from)) = socket.recv_from(&mut bytes) else { return Ok(()) };
         if from.ip() != self.server.ip() {
             return Ok(());
         }

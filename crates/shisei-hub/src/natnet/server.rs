@@ -25,6 +25,8 @@ const SILENT: Duration = Duration::from_secs(10);
 const CLIENTS_MAX: usize = 16;
 /// A read waits so long.
 const READ: Duration = Duration::from_millis(50);
+/// Without frames from the cameras, one goes out this often.
+const WITHOUT_FRAMES: Duration = Duration::from_millis(20);
 /// Largest request.
 const REQUEST_MAX: usize = 1024;
 /// Largest packet that is sent.
@@ -41,6 +43,7 @@ pub struct NatNetOut {
     axes: Axes,
     number: i32,
     frames: i64,
+    sent: Instant,
 }
 
 #[derive(Debug)]
@@ -92,6 +95,7 @@ impl NatNetOut {
             axes,
             number: 0,
             frames: -1,
+            sent: Instant::now(),
         })
     }
 
@@ -254,13 +258,14 @@ impl Output for NatNetOut {
             clients.retain(|client| client.heard.elapsed() < SILENT);
             clients.clone()
         };
-        // every frame once; samples between frames say what the next frame will say
-        let is_new = frame.is_none_or(|frame| frame != self.frames);
-        if clients.is_empty() || !is_new {
+        // every frame once; where none come any more, sensors go on
+        let newer = frame.filter(|frame| *frame != self.frames);
+        if clients.is_empty() || (newer.is_none() && self.sent.elapsed() < WITHOUT_FRAMES) {
             return;
         }
-        self.frames = frame.unwrap_or(self.frames);
-        self.number = frame.map_or(self.number.wrapping_add(1), |frame| frame as i32);
+        self.sent = Instant::now();
+        self.frames = newer.unwrap_or(self.frames);
+        self.number = newer.map_or(self.number.wrapping_add(1), |frame| frame as i32);
         let mut out = Frame {
             number: self.number,
             timestamp_s: exposure_s,
@@ -300,11 +305,10 @@ fn number(key: BodyKey) -> i32 {
 }
 
 fn body(object: &Object, key: BodyKey, axes: Axes) -> Body {
-    let shown = object.shown.filter(|shown| {
-        shown.placed && matches!(shown.source, Source::Optical | Source::Bridged)
-    });
-    let pose: Option<Pose> =
-        shown.and_then(|shown| Axes::ZUp.to(axes).world_of_pose(shown.pose).ok());
+    let shown = object
+        .shown
+        .filter(|shown| shown.placed && matches!(shown.source, Source::Optical | Source::Bridged));
+    let pose: Option<Pose> = shown.and_then(|shown| Axes::ZUp.to(axes).world_of_pose(shown.pose).ok());
     let (p, q) = match pose {
         Some(pose) => (pose.position_m, pose.world_from_body),
         None => ([0.0; 3], shisei_core::Quaternion::IDENTITY),
