@@ -194,7 +194,7 @@ fn message(address: &str, arguments: &[Argument<'_>]) -> Vec<u8> {
 fn text(out: &mut Vec<u8>, text: &str) {
     out.extend(text.bytes().filter(|byte| *byte != 0));
     out.push(0);
-    while out.len() % 4 != 0 {
+    while !out.len().is_multiple_of(4) {
         out.push(0);
     }
 }
