@@ -13,6 +13,7 @@ pub mod logic;
 pub mod needs;
 pub mod project;
 pub mod run;
+pub mod soak;
 pub mod suite;
 pub mod tally;
 pub mod tidy;

@@ -3,7 +3,7 @@
 use std::process::ExitCode;
 
 use xtask::project::Project;
-use xtask::{bench, dist, fuzz, suite, tidy};
+use xtask::{bench, dist, fuzz, soak, suite, tidy};
 
 const USAGE: &str = "\
 cargo xtask test [--install] [SUITE …]   run the suites (all without a name); --install fetches what is missing
@@ -15,6 +15,8 @@ cargo xtask bench speed                  kernels, CSV and `shisei orient` beside
 cargo xtask bench doors                  what Calc, Python and the XLL cost beside the mathematics
 cargo xtask dist [--install]             everything users install, into dist/, with checksums
 cargo xtask bench bridge [TRIAL …]       errors in optical gaps on BROAD: lines, gyroscope, ours
+cargo xtask bench live                   from sample to pose, losses: 20 nodes at 120 Hz, 100 at 240 Hz
+cargo xtask soak live [MINUTES]          the live demonstration: memory and load stay flat (10 min)
 cargo xtask soak [MINUTES] [TARGET …]    fuzzes every importer for longer (10 min each)
 ";
 
@@ -30,6 +32,8 @@ fn main() -> ExitCode {
         Some((&"bench", ["doors", rest @ ..])) => finish(bench::doors::command(&project, rest)),
         Some((&"dist", rest)) => finish(dist::command(&project, rest)),
         Some((&"bench", ["bridge", rest @ ..])) => finish(bench::bridge::command(&project, rest)),
+        Some((&"bench", ["live"])) => finish(bench::live::command(&project)),
+        Some((&"soak", ["live", rest @ ..])) => finish(soak::command(&project, rest)),
         Some((&"soak", rest)) => finish(fuzz::soak(&project, rest)),
         Some((&"tidy", [])) => report_tidy(&project),
         Some((&("help" | "--help" | "-h"), _)) => {

@@ -53,6 +53,9 @@ pub struct Live {
     /// A receiver's serial port; may be repeated
     #[arg(long = "serial", value_name = "PORT")]
     pub serial: Vec<String>,
+    /// Motive's address, HOST or HOST:PORT; auto finds it on the network
+    #[arg(long, value_name = "HOST")]
+    pub natnet: Option<String>,
     /// Play a recording as if it happened now; may be repeated
     #[arg(long, value_name = "TAKE.mcap")]
     pub replay: Vec<PathBuf>,
@@ -68,6 +71,12 @@ pub struct Live {
     /// Address of the viewer, ADDR or ADDR:PORT; another than this machine's needs the token that is printed
     #[arg(long, value_name = "ADDR")]
     pub listen: Option<String>,
+    /// Give the fused bodies out as Motive would, to existing clients: this machine's address and two ports (1510, 1511)
+    #[arg(long, value_name = "ADDR[:CMD:DATA]")]
+    pub natnet_out: Option<String>,
+    /// Send poses over OSC (and VMC trackers and bones) to ADDR:PORT
+    #[arg(long, value_name = "ADDR:PORT")]
+    pub osc: Option<String>,
     /// Axes of the cameras' world: y-up (Motive's default) or z-up
     #[arg(long, value_name = "AXES", default_value = "y-up", value_parser = ["y-up", "z-up"])]
     pub optical_axes: String,

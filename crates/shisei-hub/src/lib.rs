@@ -5,6 +5,7 @@
 //! - [`fused`]: a fused take as MCAP;
 //! - [`read`]: such a recording back, whole or cut;
 //! - [`natnet`]: the stream of OptiTrack's Motive, decoded and encoded;
+//! - [`osc`]: poses for programs of avatars and of sound;
 //! - [`live`]: sensors and cameras together, as poses with their source and expected error;
 //! - [`server`]: the page, the stream and the status, for browsers and programs.
 //!
@@ -15,6 +16,7 @@ mod cdr;
 pub mod fused;
 pub mod live;
 pub mod natnet;
+pub mod osc;
 pub mod read;
 pub mod server;
 pub mod session;

@@ -6,6 +6,7 @@ pub mod cli;
 mod coverage;
 pub mod doors;
 mod estimators;
+pub mod live;
 mod metrics;
 pub mod speed;
 mod rates;

@@ -4,6 +4,7 @@ mod calc;
 mod core;
 mod device;
 pub mod excel;
+mod live;
 mod optical;
 mod python;
 mod viewer;
@@ -36,6 +37,7 @@ const ALL: &[Suite] = &[
     calc::SUITE,
     python::SUITE,
     optical::SUITE,
+    live::SUITE,
     excel::SUITE,
     device::SUITE,
     wasm::SUITE,

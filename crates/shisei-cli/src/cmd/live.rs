@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::net::{IpAddr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -11,7 +11,11 @@ use std::time::Duration;
 use serde_json::{Value, json};
 use shisei_core::Lang;
 use shisei_core::frames::Axes;
-use shisei_hub::live::{Input, Kind, Line, Mounting, Parts, Replay, Settings, State, What, run as run_hub};
+use shisei_hub::live::{
+    Input, Kind, Line, Mounting, Output, Parts, Replay, Settings, State, What, run as run_hub,
+};
+use shisei_hub::natnet::{COMMAND_PORT, Client, DATA_PORT, NatNetOut};
+use shisei_hub::osc::OscOut;
 use shisei_hub::server::{Access, Serving};
 
 use super::ports::{Feed, Got, stop_flag};
@@ -35,7 +39,7 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
     }
     let parts = Parts {
         inputs: inputs(&args, lang)?,
-        outputs: Vec::new(),
+        outputs: outputs(&args, lang)?,
         access: access(args.listen.as_deref(), lang)?,
         known: known(&args.alignment, lang)?,
     };
@@ -113,6 +117,39 @@ fn access(listen: Option<&str>, lang: Lang) -> Outcome<Access> {
     Access::listen(address).map_err(|error| Failure::input(format!("{listen}: {error}")))
 }
 
+fn outputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Output>>> {
+    let mut outputs: Vec<Box<dyn Output>> = Vec::new();
+    if let Some(text) = &args.natnet_out {
+        let (address, command, data) = natnet_address(text).ok_or_else(|| wrong("--natnet-out", lang))?;
+        let out = NatNetOut::new(address, command, data, Axes::YUp).map_err(|error| {
+            Failure::input(say(
+                lang,
+                format!("--natnet-out {text}: {error}; does Motive run here? choose other ports: {address}:1520:1521"),
+                format!("--natnet-out {text}：{error}。このコンピュータで Motive が動作している場合は、別のポートを指定してください (例 {address}:1520:1521)"),
+            ))
+        })?;
+        outputs.push(Box::new(out));
+    }
+    if let Some(text) = &args.osc {
+        let to = text.parse().map_err(|_| wrong("--osc", lang))?;
+        let out = OscOut::new(to).map_err(|error| Failure::input(format!("--osc {text}: {error}")))?;
+        outputs.push(Box::new(out));
+    }
+    Ok(outputs)
+}
+
+/// `ADDR` or `ADDR:CMD:DATA`.
+fn natnet_address(text: &str) -> Option<(Ipv4Addr, u16, u16)> {
+    let mut parts = text.split(':');
+    let address = parts.next()?.parse().ok()?;
+    let ports: Vec<u16> = parts.map(|part| part.parse().ok()).collect::<Option<_>>()?;
+    match ports.as_slice() {
+        [] => Some((address, COMMAND_PORT, DATA_PORT)),
+        [command, data] => Some((address, *command, *data)),
+        _ => None,
+    }
+}
+
 fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
     let mut inputs: Vec<Box<dyn Input>> = Vec::new();
     if args.demo {
@@ -120,6 +157,9 @@ fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
     }
     for port in &args.serial {
         inputs.push(Box::new(Serial { port: port.clone() }));
+    }
+    if let Some(host) = &args.natnet {
+        inputs.push(Box::new(Client::new(host)));
     }
     for path in &args.replay {
         let unreadable = |error: io::Error| {

@@ -4,6 +4,7 @@ mod bad_input;
 mod calibration;
 mod dialects;
 mod fuse;
+mod hub;
 #[cfg(unix)]
 mod live;
 mod many;

@@ -531,7 +531,18 @@ impl Hub {
             merger.frame(seen, &mut moved);
             self.moved(index, &moved, arrival);
         }
-        self.fresh = true;
+        if newest {
+            self.give_out();
+        }
+    }
+
+    /// Passes on where everything is.
+    fn give_out(&mut self) {
+        self.fresh = false;
+        let (scene, optical) = (&self.scene, &self.optical);
+        for output in &mut self.outputs {
+            output.poses(scene, optical.number, optical.exposure_s);
+        }
     }
 
     /// A body in the newest frame.
@@ -617,11 +628,7 @@ impl Hub {
     /// Shows what is new, looks after what has vanished.
     pub fn tick(&mut self, now: Instant) {
         if self.fresh {
-            self.fresh = false;
-            let (scene, optical) = (&self.scene, &self.optical);
-            for output in &mut self.outputs {
-                output.poses(scene, optical.number, optical.exposure_s);
-            }
+            self.give_out();
         }
         if now < self.due() {
             return;

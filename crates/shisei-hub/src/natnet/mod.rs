@@ -3,15 +3,19 @@
 //! Little-endian, unpadded, strings end with a zero byte. A packet is `u16 id, u16 length, payload`; the length is
 //! not relied on. [`read`] decodes, [`write`] encodes, [`Stream`] follows the packets of one server.
 
+pub mod client;
 pub mod model;
 pub mod read;
+pub mod server;
 mod stream;
 pub mod write;
 
+pub use client::Client;
 pub use model::{
     Body, BodyDescription, Frame, LabeledMarker, Model, ServerInfo, Skeleton, SkeletonDescription, Version,
 };
 pub use read::Malformed;
+pub use server::NatNetOut;
 pub use stream::{Stream, Told};
 
 /// What a packet is.

@@ -1,0 +1,136 @@
+//! `shisei live` as a user meets it: the demonstration, recorded, killed, played again.
+
+use std::io::{BufRead, BufReader};
+use std::net::TcpStream;
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
+use tungstenite::{Message, WebSocket};
+
+use crate::run::Desk;
+
+const PATIENCE: Duration = Duration::from_secs(40);
+
+struct Live {
+    child: Child,
+    address: String,
+}
+
+impl Live {
+    fn start(folder: &Path, args: &[&str]) -> Self {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_shisei"));
+        command.arg("live").args(args).args(["--listen", "127.0.0.1:0"]).current_dir(folder);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::null()).spawn().expect("shisei live");
+        let mut line = String::new();
+        BufReader::new(child.stdout.take().expect("piped")).read_line(&mut line).expect("the address");
+        let address = line.trim().trim_start_matches("http://").trim_end_matches('/').to_owned();
+        Live { child, address }
+    }
+
+    fn client(&self) -> WebSocket<TcpStream> {
+        let stream = TcpStream::connect(&self.address).expect("the server");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        tungstenite::client(format!("ws://{}/stream", self.address), stream).expect("a stream").0
+    }
+}
+
+impl Drop for Live {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn read(client: &mut WebSocket<TcpStream>) -> Value {
+    serde_json::from_str(client.read().expect("a message").to_text().expect("text")).expect("JSON")
+}
+
+/// Reads until a message is as wanted.
+fn until(client: &mut WebSocket<TcpStream>, what: &str, mut wanted: impl FnMut(&Value) -> bool) -> Value {
+    let started = Instant::now();
+    loop {
+        let message = read(client);
+        if wanted(&message) {
+            return message;
+        }
+        assert!(started.elapsed() < PATIENCE, "{what} did not come");
+    }
+}
+
+/// Sources of all bodies in a message of poses.
+fn sources(message: &Value) -> Vec<i64> {
+    let poses = message["poses"].as_array().into_iter().flatten();
+    poses.filter_map(|pose| pose[8].as_i64()).collect()
+}
+
+#[test]
+fn the_demonstration_is_shown_recorded_killed_and_played_again() {
+    let desk = Desk::new();
+    let folder = desk.path().to_owned();
+    let mut live = Live::start(&folder, &["--demo"]);
+    let mut client = live.client();
+    let hello = read(&mut client);
+    assert_eq!((hello["type"].as_str(), hello["protocol"].as_i64()), (Some("hello"), Some(1)));
+    client.send(Message::text(r#"{"type":"record","on":true}"#)).expect("sent");
+    until(&mut client, "the note of the recording", |m| {
+        m["type"] == "note" && m["ja"].as_str().is_some_and(|ja| ja.contains("shisei-live.mcap"))
+    });
+    // sensors find their bodies, and a body that is hidden goes on from its sensor
+    let scene = until(&mut client, "a scene with sensors on bodies", |m| {
+        m["type"] == "scene"
+            && m["bodies"]
+                .as_array()
+                .is_some_and(|all| all.iter().filter(|b| b["node"].is_string()).count() == 3)
+    });
+    let bodies = scene["bodies"].as_array().expect("bodies");
+    let kind = |kind: &str| bodies.iter().filter(|body| body["kind"] == kind).count();
+    assert_eq!((kind("body"), kind("bone"), kind("node")), (3, 11, 1));
+    let poses = until(&mut client, "a bridged body", |m| sources(m).contains(&2));
+    assert!(poses["frame"].is_number() && !poses["markers"].as_array().expect("markers").is_empty());
+    let bridged = poses["poses"].as_array().into_iter().flatten().find(|pose| pose[8] == 2).expect("bridged");
+    assert!(bridged[9].as_f64() > Some(0.0) && bridged[10].is_number() && bridged[11].is_number());
+    let status = until(&mut client, "a status", |m| m["type"] == "status" && m["recording"].is_object());
+    println!("latency {}", status["latency_ms"]);
+    assert_eq!(status["nodes"].as_array().map(Vec::len), Some(4));
+    assert_eq!(status["inputs"][0]["lost"], 0);
+
+    // killed in the middle: what was recorded can be read, decoded anew and played
+    live.child.kill().expect("killed");
+    let file = folder.join("shisei-live.mcap");
+    let bytes = std::fs::read(&file).expect("the recording");
+    let mut ports = std::collections::BTreeMap::new();
+    shisei_hub::read::raw(&bytes, |port, _, part| *ports.entry(port.to_owned()).or_insert(0) += part.len())
+        .expect("readable");
+    assert_eq!(ports.keys().collect::<Vec<_>>(), ["demo-motive", "demo-receiver"]);
+    let played = Live::start(&folder, &["--replay", "shisei-live.mcap", "--speed", "2"]);
+    let mut client = played.client();
+    until(&mut client, "a bone of the recording", |m| {
+        m["type"] == "scene"
+            && m["bodies"].as_array().is_some_and(|all| all.iter().any(|b| b["kind"] == "bone"))
+    });
+    until(&mut client, "a body of the recording", |m| sources(m).contains(&1));
+}
+
+#[test]
+fn what_cannot_be_is_said() {
+    let desk = Desk::new();
+    for (args, word) in [
+        (&["live"][..], "--demo"),
+        (&["live", "--demo", "--listen", "nowhere"], "--listen"),
+        (&["live", "--demo", "--speed", "-1"], "--speed"),
+        (&["live", "--replay", "absent.mcap"], "absent.mcap"),
+        (&["live", "--demo", "--natnet-out", "127.0.0.1:1"], "--natnet-out"),
+        (&["live", "--demo", "--pair", "x"], "--pair"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_shisei"))
+            .args(args)
+            .current_dir(desk.path())
+            .output()
+            .expect("shisei");
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
+        assert!(said.contains(word), "{args:?}: {said}");
+    }
+}

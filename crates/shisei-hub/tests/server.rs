@@ -1,0 +1,251 @@
+//! The server and those who come: the page's own script, programs, slow ones, and ones that mean no good.
+
+use std::io::{Read, Write};
+use std::net::{SocketAddr, TcpStream};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Receiver, sync_channel};
+use std::time::{Duration, Instant};
+
+use shisei_hub::live::input::ToHub;
+use shisei_hub::live::{Board, Command};
+use shisei_hub::server::{Access, Serving, start};
+use tungstenite::{Message, WebSocket};
+
+const PATIENCE: Duration = Duration::from_secs(10);
+
+struct Stage {
+    board: Arc<Board>,
+    serving: Serving,
+    to_hub: Receiver<ToHub>,
+}
+
+fn stage(token: Option<&str>) -> Stage {
+    let board = Arc::new(Board::new(r#"{"type":"hello"}"#));
+    board.scene.send_replace(Arc::from(r#"{"type":"scene"}"#));
+    board.status.send_replace(Arc::from(r#"{"type":"status"}"#));
+    let (sender, to_hub) = sync_channel(64);
+    let access = Access { token: token.map(str::to_owned), ..Access::loopback(0) };
+    let serving = start(access, Arc::clone(&board), sender).expect("a free port");
+    Stage { board, serving, to_hub }
+}
+
+impl Stage {
+    fn address(&self) -> SocketAddr {
+        self.serving.access.address
+    }
+
+    fn connect(&self) -> TcpStream {
+        let stream = TcpStream::connect(self.address()).expect("the server");
+        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        stream
+    }
+
+    fn client(&self) -> WebSocket<TcpStream> {
+        let url = format!("ws://{}/stream", self.address());
+        tungstenite::client(url, self.connect()).expect("a stream").0
+    }
+
+    /// The code with which a request is answered.
+    fn code(&self, head: &str) -> u16 {
+        let mut stream = self.connect();
+        stream.write_all(head.as_bytes()).expect("sent");
+        let mut answer = String::new();
+        stream.read_to_string(&mut answer).expect("an answer");
+        answer.split(' ').nth(1).and_then(|code| code.parse().ok()).expect("a code")
+    }
+}
+
+/// Puts numbered poses on the board 60 times a second until told to stop.
+fn show(stage: &Stage, bytes: usize) -> (Arc<AtomicBool>, Arc<AtomicU64>, std::thread::JoinHandle<()>) {
+    let (stop, shown) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
+    let (board, until, count) = (Arc::clone(&stage.board), Arc::clone(&stop), Arc::clone(&shown));
+    let thread = std::thread::spawn(move || {
+        while !until.load(Ordering::Relaxed) {
+            let number = count.fetch_add(1, Ordering::Relaxed) + 1;
+            let text = format!(r#"{{"type":"poses","number":{number},"pad":"{}"}}"#, "x".repeat(bytes));
+            board.poses.send_replace(Arc::from(text));
+            std::thread::sleep(Duration::from_millis(16));
+        }
+    });
+    (stop, shown, thread)
+}
+
+fn number(text: &str) -> Option<u64> {
+    let rest = text.split(r#""number":"#).nth(1)?;
+    rest.split(',').next()?.parse().ok()
+}
+
+/// Reads poses for a time: how many, and the longest wait for one.
+fn watch(client: &mut WebSocket<TcpStream>, for_s: f64) -> (u32, Duration) {
+    let started = Instant::now();
+    let (mut count, mut last, mut longest) = (0, started, Duration::ZERO);
+    while started.elapsed().as_secs_f64() < for_s {
+        let message = client.read().expect("a message");
+        if message.to_text().is_ok_and(|text| number(text).is_some()) {
+            count += 1;
+            longest = longest.max(last.elapsed());
+            last = Instant::now();
+        }
+    }
+    (count, longest)
+}
+
+#[test]
+fn a_client_is_told_all_and_its_wishes_are_heard() {
+    let stage = stage(None);
+    let mut client = stage.client();
+    let mut told = Vec::new();
+    for _ in 0..3 {
+        told.push(client.read().expect("a message").to_text().expect("text").to_owned());
+    }
+    assert_eq!(told, [r#"{"type":"hello"}"#, r#"{"type":"scene"}"#, r#"{"type":"status"}"#]);
+    stage.board.notes.send(Arc::from(r#"{"type":"note"}"#)).expect("a client");
+    stage.board.poses.send_replace(Arc::from(r#"{"type":"poses"}"#));
+    let two = [client.read().expect("one"), client.read().expect("two")];
+    let mut two = two.map(|message| message.to_text().expect("text").to_owned());
+    two.sort();
+    assert_eq!(two, [r#"{"type":"note"}"#, r#"{"type":"poses"}"#]);
+    client.send(Message::text("nonsense")).expect("sent");
+    client.send(Message::text(r#"{"type":"record","on":true}"#)).expect("sent");
+    let heard = stage.to_hub.recv_timeout(PATIENCE).expect("a wish");
+    assert!(matches!(heard, ToHub::Command(Command::Record(true))), "{heard:?}");
+    assert_eq!(stage.board.clients(), 1);
+    drop(client);
+    let since = Instant::now();
+    while stage.board.clients() > 0 && since.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert_eq!(stage.board.clients(), 0);
+}
+
+#[test]
+fn the_page_and_the_status_are_there_for_those_who_may() {
+    let open = stage(None);
+    let host = format!("Host: {}\r\n", open.address());
+    assert_eq!(open.code(&format!("GET / HTTP/1.1\r\n{host}\r\n")), 200);
+    assert_eq!(open.code(&format!("GET /viewer.js HTTP/1.1\r\n{host}\r\n")), 200);
+    assert_eq!(open.code(&format!("GET /status HTTP/1.1\r\n{host}\r\n")), 200);
+    assert_eq!(open.code(&format!("GET /status HTTP/1.1\r\n{host}Origin: http://evil.example\r\n\r\n")), 403);
+    assert_eq!(open.code("GET / HTTP/1.1\r\nHost: evil.example\r\n\r\n"), 403);
+    assert_eq!(open.code(&format!("GET /no HTTP/1.1\r\n{host}\r\n")), 404);
+    assert_eq!(open.code("\r\n\u{1}\u{2}\u{3}\r\n\r\n"), 400);
+    assert_eq!(open.code(&format!("GET / HTTP/1.1\r\nX: {}", "x".repeat(9000))), 431);
+    let closed = stage(Some("0123456789abcdef"));
+    let ask = |query: &str| format!("GET /status{query} HTTP/1.1\r\nHost: some.machine:1\r\n\r\n");
+    assert_eq!(closed.code(&ask("?token=0123456789abcdef")), 200);
+    for query in ["", "?token=", "?token=0123456789abcdee", "?token=0123456789abcdef0"] {
+        assert_eq!(closed.code(&ask(query)), 403, "{query}");
+    }
+    let url = format!("ws://{}/stream?token=wrong", closed.address());
+    assert!(tungstenite::client(url, closed.connect()).is_err());
+    assert!(closed.serving.url().ends_with("/?token=0123456789abcdef"));
+}
+
+#[test]
+fn a_slow_client_gets_the_newest_and_delays_nobody() {
+    let stage = stage(None);
+    let (stop, shown, thread) = show(&stage, 20_000);
+    let mut slow = stage.client();
+    let mut quick = stage.client();
+    watch(&mut quick, 0.3);
+    // the slow one reads nothing meanwhile: 3 s of 1.2 MB/s
+    let (count, longest) = watch(&mut quick, 3.0);
+    println!("beside a slow client: {count} poses in 3 s, longest wait {longest:?}");
+    assert!(count > 120, "{count}");
+    assert!(longest < Duration::from_millis(500), "{longest:?}");
+    stop.store(true, Ordering::Relaxed);
+    thread.join().expect("no panic");
+    let newest = shown.load(Ordering::Relaxed);
+    let (mut read, mut last) = (0, 0);
+    while last < newest {
+        let message = slow.read().expect("a message");
+        if let Some(number) = message.to_text().ok().and_then(number) {
+            assert!(number > last);
+            last = number;
+            read += 1;
+        }
+    }
+    println!("the slow client: {read} of {newest} poses, the newest among them");
+    assert!(read < newest, "{read} of {newest}");
+}
+
+#[test]
+fn ten_thousand_connections_and_garbage_change_nothing_for_others() {
+    let stage = stage(None);
+    let (stop, _, thread) = show(&stage, 500);
+    let mut good = stage.client();
+    watch(&mut good, 0.3);
+    let address = stage.address();
+    let attack = std::thread::spawn(move || {
+        let mut open = std::collections::VecDeque::new();
+        let mut refused = 0;
+        for k in 0..10_000_u32 {
+            match TcpStream::connect(address) {
+                Ok(mut stream) => {
+                    if k % 3 == 0 {
+                        // the other side may have closed it already
+                        let _ = stream.write_all(&[0x16, 3, 1, 0, k as u8]);
+                    }
+                    open.push_back(stream);
+                }
+                Err(_) => refused += 1,
+            }
+            if open.len() > 200 {
+                open.pop_front();
+            }
+        }
+        refused
+    });
+    let (mut count, mut longest, started) = (0, Duration::ZERO, Instant::now());
+    while !attack.is_finished() {
+        let (more, wait) = watch(&mut good, 0.2);
+        count += more;
+        longest = longest.max(wait);
+    }
+    let refused = attack.join().expect("no panic");
+    let length_s = started.elapsed().as_secs_f64();
+    println!(
+        "10,000 connections in {length_s:.1} s, {refused} refused: {count} poses, longest wait {longest:?}"
+    );
+    assert!(longest < Duration::from_secs(1), "{longest:?}");
+
+    // garbage in place of frames: only the one who sends it is sent away
+    for garbage in [&[0xff_u8; 64][..], &[0x81, 0xfe, 0xff, 0xff, 0, 0, 0, 0], &[0x01, 0x05, 1, 2, 3, 4, 5]] {
+        let mut bad = stage.client();
+        bad.get_mut().write_all(garbage).expect("sent");
+        let ended = (0..1000).any(|_| match bad.read() {
+            Ok(message) => message.is_close(),
+            Err(_) => true,
+        });
+        assert!(ended, "{garbage:?}");
+    }
+    let mut large = stage.client();
+    // it may be closed while it still sends
+    let _ = large.send(Message::text("x".repeat(100_000)));
+    assert!((0..1000).any(|_| large.read().map_or(true, |message| message.is_close())));
+    let mut chatty = stage.client();
+    for _ in 0..200 {
+        let _ = chatty.send(Message::text("{}"));
+    }
+    assert!((0..1000).any(|_| chatty.read().map_or(true, |message| message.is_close())));
+    let (count, longest) = watch(&mut good, 1.0);
+    assert!(count > 30 && longest < Duration::from_millis(500), "{count}, {longest:?}");
+    stop.store(true, Ordering::Relaxed);
+    thread.join().expect("no panic");
+}
+
+#[test]
+fn there_are_so_many_places_and_no_more() {
+    let stage = stage(None);
+    let clients: Vec<WebSocket<TcpStream>> = (0..32).map(|_| stage.client()).collect();
+    let url = format!("ws://{}/stream", stage.address());
+    assert!(tungstenite::client(&url, stage.connect()).is_err());
+    assert_eq!(stage.board.clients(), 32);
+    drop(clients);
+    let since = Instant::now();
+    while stage.board.clients() > 0 && since.elapsed() < PATIENCE {
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    assert!(tungstenite::client(&url, stage.connect()).is_ok());
+}
