@@ -156,7 +156,7 @@ fn the_importer_reads_our_recordings_whole_and_cut() {
     let read = |bytes: &[u8], sensor| open(&[Input { name: "take.mcap", bytes }], &options(sensor));
     match read(&whole, None) {
         Err(error) => {
-            assert!(matches!(error.problem, Problem::ManySensors { ref names } if names.len() == 2))
+            assert!(matches!(error.problem, Problem::ManySensors { ref names } if names.len() == 2));
         }
         Ok(_) => panic!("two nodes, and none was asked for"),
     }

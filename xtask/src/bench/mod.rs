@@ -8,6 +8,6 @@ pub mod doors;
 mod estimators;
 pub mod live;
 mod metrics;
-pub mod speed;
 mod rates;
+pub mod speed;
 mod trial;

@@ -238,19 +238,18 @@ fn choose(name: &str, file: File, asked: Option<&str>) -> Result<Sensor> {
     };
     let wanted = asked.trim().to_lowercase();
     let plain = |text: &str| text.to_lowercase().replace([' ', '_', '-', '/'], "");
-    let fits: [&dyn Fn(&str, &str) -> bool; 3] = [
-        &|_, sensor| sensor.to_lowercase() == wanted,
-        &|topic, _| {
-            topic.trim_start_matches("/imu/") == wanted
-                || plain(topic) == plain(&wanted).replace("node", "imu")
-        },
-        &|_, sensor| plain(sensor).contains(&plain(&wanted)),
-    ];
-    for fits in fits {
-        let found = sensors.iter().position(|(topic, sensor)| fits(topic, &sensor.name));
-        if let Some(found) = found {
-            return Ok(sensors.swap_remove(found).1);
-        }
+    let exactly = |(_, sensor): &(String, Sensor)| sensor.name.to_lowercase() == wanted;
+    let by_topic = |(topic, _): &(String, Sensor)| {
+        topic.trim_start_matches("/imu/") == wanted || plain(topic) == plain(&wanted).replace("node", "imu")
+    };
+    let in_part = |(_, sensor): &(String, Sensor)| plain(&sensor.name).contains(&plain(&wanted));
+    let found = sensors
+        .iter()
+        .position(exactly)
+        .or_else(|| sensors.iter().position(by_topic))
+        .or_else(|| sensors.iter().position(in_part));
+    if let Some(found) = found {
+        return Ok(sensors.swap_remove(found).1);
     }
     Err(Error::of_file(name, Problem::NoSuchSensor { asked: asked.to_owned(), names }))
 }
@@ -304,8 +303,8 @@ fn read(name: &str, bytes: &[u8], options: &Options) -> Result<Part> {
     let mut part = Part {
         name: name.to_owned(),
         dialect: DIALECT.id,
-        acc: triple(4, M_S2),
-        gyro: triple(1, RAD_S),
+        acc: Some(triple(4, M_S2)),
+        gyro: Some(triple(1, RAD_S)),
         channels: channels(name, ours),
         keep_names: kept.iter().map(|&k| KEPT[k].to_owned()).collect(),
         ..Part::default()
@@ -349,9 +348,9 @@ fn notes(part: &mut Part, sensor: &str, cut: bool, without_time: usize) {
     }
 }
 
-fn triple(first: usize, unit: crate::units::Unit) -> Option<Triple> {
+fn triple(first: usize, unit: crate::units::Unit) -> Triple {
     let columns = [first, first + 1, first + 2];
-    Some(Triple { columns, unit: Some(unit), label: String::new(), grade: Grade::Plain })
+    Triple { columns, unit: Some(unit), label: String::new(), grade: Grade::Plain }
 }
 
 fn channels(file: &str, ours: bool) -> Vec<Channel> {
