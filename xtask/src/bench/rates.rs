@@ -162,12 +162,14 @@ pub fn compare(project: &Project, trials: &[Trial], peers: bool) -> std::result:
             }
         }
         print!("{rate_hz:5} Hz");
-        for (name, [clean, rough]) in ["shisei-online", "shisei", "vqf", "vqf-offline"].into_iter().zip(means)
-        {
+        let names = ["shisei-online", "shisei", "vqf", "vqf-offline"];
+        for (place, (name, [clean, rough])) in names.into_iter().zip(means).enumerate() {
             if clean.is_finite() {
                 print!("   {name} {clean:.3} -> {rough:.3}");
             }
-            if name.starts_with("shisei") && rough > COST * clean {
+            let rival = means.get(place + 2).map_or(f64::NAN, |[_, rough]| *rough);
+            let much = if rate_hz < COST_FROM_HZ { rough > rival } else { rough > COST * clean };
+            if place < 2 && much {
                 lines.push(format!(
                     "{name} at {rate_hz} Hz: {clean:.3} clean, {rough:.3} with jitter and loss"
                 ));
