@@ -3,6 +3,7 @@
 Usage: cli.py SHISEI FOLDER ROWS RUNS. Prints seconds (median) and peak memory of whole processes, run in turn.
 """
 
+import multiprocessing
 import os
 import statistics
 import subprocess
@@ -65,7 +66,10 @@ def main() -> None:
     shisei, folder, rows, runs = sys.argv[1], sys.argv[2], int(sys.argv[3]), int(sys.argv[4])
     os.makedirs(folder, exist_ok=True)
     source, result = os.path.join(folder, "big.csv"), os.path.join(folder, "big.orientation.csv")
-    recording(source, rows)
+    # In a process of its own: the peak memory of a process counts that of the one which started it.
+    maker = multiprocessing.Process(target=recording, args=(source, rows))
+    maker.start()
+    maker.join()
     ours = [shisei, "orient", source, "-o", result, "--no-report", "--force", "--filter"]
     commands = {
         "shisei orient (default)": ours + ["shisei"],

@@ -120,7 +120,9 @@ fn guessed(bytes: &[u8], at: usize, decimal: u8, places: u8) -> Option<(f64, usi
         return None;
     }
     let magnitude = mantissa as i64 as f64 / TEN[places];
-    Some((if negative { -magnitude } else { magnitude }, at + i))
+    // Without a branch: a column's signs are anybody's guess.
+    let value = f64::from_bits(magnitude.to_bits() | u64::from(negative) << 63);
+    Some((value, at + i))
 }
 
 const ZEROS: u64 = 0x3030_3030_3030_3030;

@@ -122,8 +122,7 @@ const TWO_52: f64 = 4_503_599_627_370_496.0;
 #[inline(always)]
 fn fixed_to<const PLACES: usize>(window: &mut [u8; WINDOW], value: f64) -> Option<usize> {
     let scale = TEN[PLACES];
-    let size = if value < 0.0 { -value } else { value };
-    let scaled = size * scale as f64;
+    let scaled = value.abs() * scale as f64;
     // Below 2^39 the rounding of the product is less than 4e-5.
     if scaled >= 549_755_813_888.0 {
         return None;
@@ -137,7 +136,8 @@ fn fixed_to<const PLACES: usize>(window: &mut [u8; WINDOW], value: f64) -> Optio
     }
     let (whole, fraction) = (n / scale, n % scale);
     window[0] = b'-';
-    let mut at = usize::from(value < 0.0 && n > 0);
+    // Without branches: a column's signs are anybody's guess.
+    let mut at = (value.to_bits() >> 63) as usize & usize::from(n > 0);
     if whole < 10 {
         window[at] = b'0' + whole as u8;
         at += 1;
