@@ -18,7 +18,7 @@ use shisei_core::frames::Axes;
 use shisei_core::fuse::{FusedFrame, Source};
 
 use crate::cdr;
-use crate::take::{Schema, add_channel, other};
+use crate::take::{POSE, Schema, add_channel, other};
 
 /// A fused take, one row a frame.
 #[derive(Clone, Copy, Debug)]
@@ -37,14 +37,11 @@ pub struct FusedTake<'a> {
 
 /// Columns that do not fit into a pose.
 const FUSED: Schema = Schema {
-    name: "shisei.Fused",
+    name: "shisei.FusedFrame",
     encoding: "jsonschema",
     message_encoding: "json",
     text: r#"{"type":"object","properties":{"frame":{"type":"integer"},"time_s":{"type":"number"},"source":{"type":"string","enum":["optical","bridged","inertial","none"]},"gap_s":{"type":"number"},"sigma_deg":{"type":["number","null"]},"sigma_mm":{"type":["number","null"]}}}"#,
 };
-
-const POSE: Schema =
-    Schema { name: cdr::POSE_NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::POSE_DEFINITION };
 
 /// Writes a fused take, chunked and indexed.
 pub fn write(sink: &mut dyn Write, take: &FusedTake<'_>) -> io::Result<()> {
