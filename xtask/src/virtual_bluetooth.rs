@@ -32,7 +32,7 @@ pub fn run(run: &mut Run<'_>) {
     let _ = std::fs::remove_file(&frames);
     let _ = std::fs::remove_file(&take);
     let mut tests = cargo(project, "test");
-    tests.arg("--quiet").env("SHISEI_FRAMES", &frames).env("SHISEI_TAKE", &take);
+    tests.env("SHISEI_FRAMES", &frames).env("SHISEI_TAKE", &take);
     run.cargo_test("virtual Bluetooth", &mut tests);
     for (name, script, file) in [
         ("frames by PyPI's cobs and crcmod", "frames.py", &frames),

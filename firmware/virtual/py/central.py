@@ -66,8 +66,8 @@ async def main():
     await peer.subscribe(data, lambda content: packets.append(bytes(content)))
     await asyncio.sleep(3)
     out["before"] = [read_packet(content) for content in packets]
-    # Settings: estimator, ten samples a packet, 2000 deg/s, 8 g; then another name.
-    await control.write_value(bytes([133, 1, 10, 4, 2]), with_response=True)
+    # Settings: estimator, eight samples a packet, 2000 deg/s, 8 g; then another name.
+    await control.write_value(bytes([133, 1, 8, 4, 2]), with_response=True)
     await control.write_value(bytes([132]) + "left-hand".encode(), with_response=True)
     await asyncio.sleep(0.5)
     packets.clear()

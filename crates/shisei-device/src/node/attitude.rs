@@ -1,6 +1,6 @@
 //! The choice of the filter on a node.
 
-use shisei_core::estimator::{Estimator, Settings};
+use shisei_core::estimator::{LightEstimator, Settings};
 use shisei_core::filter::{Complementary, DEFAULT_ALPHA, Filter};
 use shisei_core::{Quaternion, STANDARD_GRAVITY_M_S2, Vec3};
 use shisei_wire::packet::FilterKind;
@@ -13,8 +13,8 @@ pub enum Attitude {
     Waiting,
     /// The complementary filter, bias removed before.
     Complementary(Complementary),
-    /// The estimator, which finds bias and start itself.
-    Estimator(Estimator),
+    /// The light estimator, which finds bias and start itself.
+    Estimator(LightEstimator),
 }
 
 impl Attitude {
@@ -25,7 +25,7 @@ impl Attitude {
                 Complementary::new(world_from_body, DEFAULT_ALPHA, STANDARD_GRAVITY_M_S2)
                     .map(Attitude::Complementary)
             }
-            FilterKind::Estimator => Estimator::new(&Settings::default()).map(Attitude::Estimator),
+            FilterKind::Estimator => LightEstimator::new(&Settings::default()).map(Attitude::Estimator),
         };
         begun.unwrap_or(Attitude::Waiting)
     }
