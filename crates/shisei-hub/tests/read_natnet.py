@@ -18,6 +18,17 @@ def free_port(kind):
         return s.getsockname()[1]
 
 
+def drain(client):
+    """What came before the change of version is of the old one, which the client would take for the new."""
+    command = client._NatNetClient__command_socket
+    command.settimeout(0.0)
+    try:
+        while True:
+            command.recvfrom(65536)
+    except BlockingIOError:
+        pass
+
+
 def read(command, data, version):
     client = NatNetClient(command_port=command, data_port=data, use_multicast=False)
     frames, models = [], []
@@ -27,7 +38,7 @@ def read(command, data, version):
         assert client.server_info.application_name == "shisei", client.server_info
         if version != client.protocol_version.truncate(2):
             client.protocol_version = version
-            frames.clear()
+            drain(client)
         client.run_async()
         until = time.time() + 8
         while time.time() < until and (len(frames) < 200 or not models):

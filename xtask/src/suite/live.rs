@@ -8,14 +8,14 @@ use crate::tally;
 
 pub const SUITE: Suite = Suite {
     name: "live",
-    about: "the demonstration's NatNet, read by an independent client in four versions; half a minute of soak",
+    about: "the demonstration's NatNet, read by an independent client in four versions; a minute of soak",
     needs: |_| Needs { pip: vec!["natnet"], ..Needs::default() },
     wants: |_| Needs::default(),
     run,
 };
 
 /// In continuous integration; `cargo xtask soak live` is for longer.
-const SOAK_S: u64 = 40;
+const SOAK_S: u64 = 60;
 
 fn run(run: &mut Run<'_>) {
     let project = run.project;

@@ -113,13 +113,45 @@ fn the_demonstration_is_shown_recorded_killed_and_played_again() {
     until(&mut client, "a body of the recording", |m| sources(m).contains(&1));
 }
 
+/// A receiver that is unplugged and comes back; and a client that goes and comes back.
+#[cfg(unix)]
+#[test]
+fn parts_that_go_come_back_by_themselves() {
+    let desk = Desk::new();
+    let link = desk.path().join("port");
+    let plug = |lab: &crate::live::Lab| {
+        let _ = std::fs::remove_file(&link);
+        std::os::unix::fs::symlink(&lab.port, &link).expect("a link");
+    };
+    let lab = crate::live::Lab::start(&["--seed", "3"]);
+    plug(&lab);
+    let live =
+        Live::start(desk.path(), &["--serial", link.to_str().expect("UTF-8"), "--record", "take.mcap"]);
+    let state = |m: &Value| m["inputs"][0]["state"].as_str().map(str::to_owned);
+    let mut client = live.client();
+    until(&mut client, "both nodes", |m| m["type"] == "poses" && sources(m) == [3, 3]);
+    drop(lab);
+    until(&mut client, "the loss", |m| m["type"] == "status" && state(m).as_deref() == Some("lost"));
+    until(&mut client, "nodes that have vanished", |m| m["type"] == "poses" && sources(m) == [0, 0]);
+    drop(client);
+    let lab = crate::live::Lab::start(&["--seed", "4"]);
+    plug(&lab);
+    let mut client = live.client();
+    until(&mut client, "the return", |m| m["type"] == "status" && state(m).as_deref() == Some("connected"));
+    until(&mut client, "both nodes again", |m| m["type"] == "poses" && sources(m) == [3, 3]);
+    let recording = std::fs::read(desk.path().join("take.mcap")).expect("the recording");
+    let mut bytes = 0;
+    shisei_hub::read::raw(&recording, |_, _, part| bytes += part.len()).expect("readable");
+    assert!(bytes > 4_000, "{bytes}");
+}
+
 #[test]
 fn what_cannot_be_is_said() {
     let desk = Desk::new();
     for (args, word) in [
         (&["live"][..], "--demo"),
         (&["live", "--demo", "--listen", "nowhere"], "--listen"),
-        (&["live", "--demo", "--speed", "-1"], "--speed"),
+        (&["live", "--demo", "--speed=-1"], "--speed"),
         (&["live", "--replay", "absent.mcap"], "absent.mcap"),
         (&["live", "--demo", "--natnet-out", "127.0.0.1:1"], "--natnet-out"),
         (&["live", "--demo", "--pair", "x"], "--pair"),

@@ -8,13 +8,13 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use crate::run::Desk;
 
 /// A laboratory and the name of its port.
-struct Lab {
+pub struct Lab {
     child: Child,
-    port: String,
+    pub port: String,
 }
 
 impl Lab {
-    fn start(args: &[&str]) -> Self {
+    pub fn start(args: &[&str]) -> Self {
         let mut command = Command::new(env!("CARGO_BIN_EXE_shisei"));
         command.args(["simulate", "lab"]).args(args).stdout(Stdio::piped()).stderr(Stdio::null());
         let mut child = command.spawn().expect("the laboratory");
