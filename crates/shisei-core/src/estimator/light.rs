@@ -175,13 +175,16 @@ impl LightEstimator {
         let middle = advance(self.q, quarter);
         self.q = advance(middle, quarter);
         let matrix = middle.to_matrix();
-        let mut force = if reading.irregular == 0.0 {
-            let a = reading.acc;
-            [vector::dot(matrix[0], a), vector::dot(matrix[1], a), vector::dot(matrix[2], a)]
-        } else {
-            // in the middle of the usual step, not of this one
-            middle.product(exp_half(vector::scale(rate, 0.5 * reading.irregular * dt))).rotate(reading.acc)
-        };
+        let mut acc = reading.acc;
+        if reading.irregular != 0.0 {
+            // in the middle of the usual step, not of this one: exp([δ]×) a to second order, for δ is small
+            let turned = vector::scale(rate, reading.irregular * dt);
+            let once = vector::cross(turned, acc);
+            let twice = vector::cross(turned, once);
+            acc = vector::add(acc, vector::add(once, vector::scale(twice, 0.5)));
+        }
+        let mut force =
+            [vector::dot(matrix[0], acc), vector::dot(matrix[1], acc), vector::dot(matrix[2], acc)];
         if !reading.acc_known {
             force = [0.0, 0.0, self.settings.gravity_m_s2];
         }
