@@ -1,6 +1,6 @@
 //! `shisei live` as a user meets it: the demonstration, recorded, killed, played again.
 
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, ErrorKind};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
@@ -44,7 +44,15 @@ impl Drop for Live {
 }
 
 fn read(client: &mut WebSocket<TcpStream>) -> Value {
-    serde_json::from_str(client.read().expect("a message").to_text().expect("text")).expect("JSON")
+    let interrupted = |error: &tungstenite::Error| matches!(error, tungstenite::Error::Io(io) if io.kind() == ErrorKind::Interrupted);
+    loop {
+        match client.read() {
+            Ok(message) => return serde_json::from_str(message.to_text().expect("text")).expect("JSON"),
+            // a signal for another test of this process
+            Err(error) if interrupted(&error) => {}
+            Err(error) => panic!("no message: {error}"),
+        }
+    }
 }
 
 /// Reads until a message is as wanted.

@@ -1,7 +1,7 @@
 //! NatNet, the streaming protocol of OptiTrack's Motive: versions 3.0 to 4.1 and what keeps their layout.
 //!
 //! Little-endian, unpadded, strings end with a zero byte. A packet is `u16 id, u16 length, payload`; the length is
-//! not relied on. [`read`] decodes, [`write`] encodes, [`Stream`] follows the packets of one server.
+//! not relied on. [`read`] decodes, [`mod@write`] encodes, [`Stream`] follows the packets of one server.
 
 pub mod client;
 pub mod model;
