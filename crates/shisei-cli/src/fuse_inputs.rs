@@ -4,7 +4,7 @@ use shisei_core::frames::{Axes, Pose};
 use shisei_core::fuse::relative::{RelativeSettings, relative};
 use shisei_core::fuse::{self, FuseSettings, Fusion, Inertial, Optical};
 use shisei_core::sync::rates::{RatesSettings, Start};
-use shisei_core::{Lang, Quaternion, Ypr, math, vector};
+use shisei_core::{Lang, Quaternion, Vec3, Ypr, math, vector};
 use shisei_record::motive::{self, LossRule, Take};
 use shisei_record::{Input, Recording};
 
@@ -30,7 +30,8 @@ pub fn fused(args: &Fuse, lang: Lang) -> Outcome<Done> {
     let take = motive::read(&Input { name: &name, bytes: &bytes }).map_err(refuse)?;
     let body = take.body(args.parent.as_deref().or(args.body.as_deref())).map_err(refuse)?;
     let time_s = take.time_s().map_err(refuse)?;
-    let tracked = take.tracked(&body, LossRule { frozen_run: (args.frozen > 0).then_some(args.frozen) });
+    let rule = LossRule { frozen_run: (args.frozen > 0).then_some(args.frozen) };
+    let tracked = take.tracked(&body, rule);
     let poses: Vec<Option<Pose>> =
         (0..take.len()).map(|row| take.pose(&body, row).filter(|_| tracked[row])).collect();
     let recording = recording(args, lang)?;
@@ -58,18 +59,28 @@ pub fn fused(args: &Fuse, lang: Lang) -> Outcome<Done> {
         (frames, gaps) = (found.frames, found.gaps);
     } else {
         let start = if args.sync == SyncName::Rates { Start::Search } else { Start::Near(0.0) };
+        let markers = take.markers_of(&body).map_err(refuse)?;
+        let sightings: Vec<_> = markers.iter().map(|marker| take.sightings(marker, rule)).collect();
+        let seen: Vec<&[Option<Vec3>]> = sightings.iter().map(Vec::as_slice).collect();
         let settings = FuseSettings {
             rates: RatesSettings { start, ..RatesSettings::default() },
             axes: from,
             gravity_m_s2: args.gravity,
             ..FuseSettings::default()
         };
-        let fusion = fuse::fuse(&optical, &inertial, &settings).map_err(failed)?;
+        let fusion = fuse::fuse_with_markers(&optical, &seen, &inertial, &settings).map_err(failed)?;
         if args.sync != SyncName::Rates {
             check_sequence(&take, &fusion, lang)?;
         }
         warnings = all_warnings(&recording, &fusion, from, lang);
-        how = How::Bridged { sync: Box::new(fusion.sync), lever: fusion.lever, up: fusion.up };
+        let names = markers.into_iter().map(|marker| marker.name);
+        how = How::Bridged {
+            sync: Box::new(fusion.sync),
+            lever: fusion.lever,
+            up: fusion.up,
+            markers: names.zip(fusion.held.places).collect(),
+            held: fusion.held.frames.iter().filter(|held| **held).count(),
+        };
         (frames, gaps) = (fusion.frames, fusion.gaps);
     }
     let to = args.axes.as_deref().and_then(Axes::from_name).unwrap_or(from);

@@ -46,7 +46,21 @@ fn facts(done: &Done, lang: Lang) -> Vec<(String, String)> {
         ),
     ];
     match &done.how {
-        How::Bridged { sync, lever, .. } => all.extend(of_clocks(sync, lever.as_ref(), lang)),
+        How::Bridged { sync, lever, markers, held, .. } => {
+            all.extend(of_clocks(sync, lever.as_ref(), lang));
+            if !markers.is_empty() {
+                let (count, placed) = (markers.len(), markers.iter().filter(|(_, at)| at.is_some()).count());
+                all.push(fact(
+                    "Markers",
+                    "マーカー",
+                    say(
+                        lang,
+                        format!("{placed} of {count} sit on the body; they hold it in {held} frames"),
+                        format!("{count} 個中 {placed} 個を剛体上で使用、{held} フレームで位置を保持"),
+                    ),
+                ));
+            }
+        }
         How::Held { reference, grip_m, .. } => {
             let [x, y, z] = grip_m.map(|value| value * 1e3);
             all.push(fact("Held by", "持つ側", done.body.name.clone()));

@@ -6,13 +6,17 @@
 //! Frames that the cameras saw keep what they saw. In a gap the smoother's motion is taken, shifted by what it is
 //! off beside the gap's two ends, so that next to nothing jumps: in position linearly from the one to the other, in
 //! attitude as the mean of a Gauss–Markov process that is known at both ends.
+//!
+//! Markers of the body that are seen while it is lost hold its position ([`markers`], [`fuse_with_markers`]).
 
+pub mod markers;
 pub mod relative;
 
 use alloc::vec::Vec;
 
+use self::markers::Held;
 use crate::error::{Error, Result};
-use crate::estimator::{self, BridgeSettings, Bridged, Calibration, OpticalPose};
+use crate::estimator::{self, BridgeSettings, Bridged, Calibration, OpticalPose, Points};
 use crate::filter::{Dt, same_length};
 use crate::frames::{Axes, Pose};
 use crate::math;
@@ -36,6 +40,9 @@ const PIN_S: f64 = 0.1;
 /// What the cameras are off in attitude depends on the attitude, and so is forgotten as the body turns: in this time,
 /// s, where it is turned about.
 const FORGET_S: f64 = 2.0;
+/// So often a gap is filled with the markers that agree with it as it was filled before: the better it is known, the
+/// better it tells which do.
+const ROUNDS: usize = 4;
 /// Inertial samples further apart than this leave a hole, s.
 const HOLE_S: f64 = 0.1;
 
@@ -91,7 +98,7 @@ impl Default for FuseSettings {
 pub enum Source {
     /// The cameras.
     Optical,
-    /// The sensor, held at both ends by the cameras.
+    /// The sensor, held at both ends by the cameras, or at times by markers.
     Bridged,
     /// The sensor, not held at both ends, or for too long: the attitude goes on, the position is not to be trusted.
     Inertial,
@@ -118,7 +125,7 @@ pub struct FusedFrame {
     pub pose: Option<Pose>,
     /// Where it comes from.
     pub source: Source,
-    /// Time since the cameras last saw the body, s; 0 where they see it.
+    /// Time since the cameras last saw the body or a marker that holds it, s; 0 where they see it.
     pub gap_s: f64,
     /// Expected error of the attitude (one standard deviation), rad; NaN where the source is none.
     pub sigma_rad: f64,
@@ -158,6 +165,8 @@ pub struct Fusion {
     pub up: Vec3,
     /// What was learnt of the sensor beyond the biases and scales that `sync` and `lever` hold.
     pub calibration: Calibration,
+    /// Markers on the body, and where they hold it.
+    pub held: Held,
 }
 
 /// Brings a take and a recording together.
@@ -165,7 +174,26 @@ pub struct Fusion {
 /// Refused: unequal lengths, numbers that are not finite, times that do not ascend, and whatever
 /// [`synchronise`] refuses: too little, no common motion, rotation about one axis only.
 pub fn fuse(optical: &Optical<'_>, inertial: &Inertial<'_>, settings: &FuseSettings) -> Result<Fusion> {
+    fuse_with_markers(optical, &[], inertial, settings)
+}
+
+/// As [`fuse`], with labelled markers of the body: of each its position in every frame, m, in the world of the poses,
+/// none where it was not seen. Where one or more are seen the body's position is held though its pose is lost.
+///
+/// Refused also: a marker with another number of frames, positions that are not finite.
+pub fn fuse_with_markers(
+    optical: &Optical<'_>,
+    markers: &[&[Option<Vec3>]],
+    inertial: &Inertial<'_>,
+    settings: &FuseSettings,
+) -> Result<Fusion> {
     same_length(optical.time_s.len(), optical.poses.len())?;
+    for marker in markers {
+        same_length(optical.time_s.len(), marker.len())?;
+        if let Some(row) = marker.iter().position(|seen| seen.is_some_and(|seen| !vector::is_finite(seen))) {
+            return Err(Error::NotFinite { row });
+        }
+    }
     same_length(inertial.time_s.len(), inertial.acc_m_s2.len())?;
     check_poses(optical.poses)?;
     let attitude: Vec<Option<Quaternion>> =
@@ -199,11 +227,31 @@ pub fn fuse(optical: &Optical<'_>, inertial: &Inertial<'_>, settings: &FuseSetti
         time_s.iter().map(|time_s| seen.at(*time_s).map(|pose| body.sensor(&pose))).collect();
     let mut estimator = estimator::Settings { gravity_m_s2: body.gravity_m_s2, ..Default::default() };
     estimator.calibration = None;
-    let (bridged, calibration) =
-        estimator::bridge(&acc, &gyro, Dt::PerSample(&steps), &measured, &settings.optics, &estimator)?;
-    let motion = Motion { time_s, bridged: &bridged, body: &body };
-    let (frames, gaps) = fill(optical, &motion, settings);
-    Ok(Fusion { frames, gaps, sync, lever, up: body.up, calibration })
+    let (dt, optics) = (Dt::PerSample(&steps), &settings.optics);
+    let filled = |points: &[Points], held: &[bool]| {
+        let (bridged, calibration) =
+            estimator::bridge_by_points(&acc, &gyro, dt, &measured, points, optics, &estimator)?;
+        let motion = Motion { time_s, bridged: &bridged, body: &body };
+        Ok::<_, Error>((fill(optical, held, &motion, settings), calibration))
+    };
+    let mut held =
+        Held { places: markers::places(optical, markers), frames: alloc::vec![false; optical.poses.len()] };
+    let ((mut frames, mut gaps), mut calibration) = filled(&[], &held.frames)?;
+    let mut sightings = Vec::new();
+    for _ in 0..ROUNDS {
+        let believed = markers::believed(optical, markers, &held.places, &frames);
+        let one = |frame: usize| {
+            optical.poses[frame].is_none() && believed.iter().any(|seen| seen[frame].is_some())
+        };
+        let flags: Vec<bool> = (0..frames.len()).map(one).collect();
+        if believed == sightings || flags == held.frames && !flags.contains(&true) {
+            break;
+        }
+        let points = markers::points(optical, &believed, &held.places, &body, time_s);
+        ((frames, gaps), calibration) = filled(&points, &flags)?;
+        (sightings, held.frames) = (believed, flags);
+    }
+    Ok(Fusion { frames, gaps, sync, lever, up: body.up, calibration, held })
 }
 
 fn check_poses(poses: &[Option<Pose>]) -> Result<()> {
@@ -244,6 +292,12 @@ impl Body {
             world_from_body: self.level.product(q).product(self.mounting).normalized(),
             position_m: self.level.rotate(vector::add(pose.position_m, q.rotate(self.sensor_m))),
         }
+    }
+
+    /// A marker at a place on the body, seen somewhere: its arm from the sensor, sensor axes, and where it is in the
+    /// level world.
+    fn marker(&self, at_m: Vec3, seen_m: Vec3) -> (Vec3, Vec3) {
+        (self.mounting.conjugate().rotate(vector::sub(at_m, self.sensor_m)), self.level.rotate(seen_m))
     }
 
     /// The body of a sensor in the level world.
@@ -410,8 +464,10 @@ fn forgetting(age_s: f64, length_s: f64) -> (f64, f64) {
     ((from - across * to) / free, (to - across * from) / free)
 }
 
+/// `held`: frames in which a marker holds the position.
 fn fill(
     optical: &Optical<'_>,
+    held: &[bool],
     motion: &Motion<'_>,
     settings: &FuseSettings,
 ) -> (Vec<FusedFrame>, Vec<FilledGap>) {
@@ -441,12 +497,25 @@ fn fill(
         let to_s = time_s.get(end).copied().unwrap_or(time_s[end - 1]);
         let length_s = to_s - from_s;
         let pinned = left.is_some() && right.is_some();
-        let held = pinned && length_s <= settings.position_trust_s;
-        let source = if held { Source::Bridged } else { Source::Inertial };
+        // times at which the position was last known and is known next
+        let mut last_s = before.filter(|_| left.is_some()).map(|frame| time_s[frame]);
+        let end_s = right.is_some().then_some(to_s);
+        let mut next_held = first;
         let (left, right) = (left.or(right).unwrap_or_default(), right.or(left).unwrap_or_default());
+        let source = Source::Bridged;
         let mut gap = FilledGap { first, end, length_s, source, sigma_rad: 0.0, sigma_m: 0.0 };
         for frame in first..end {
-            frames[frame].gap_s = time_s[frame] - from_s;
+            if held[frame] {
+                last_s = Some(time_s[frame]);
+            }
+            if next_held < end && (next_held < frame || !held[next_held]) {
+                next_held = (frame..end).find(|&k| held[k]).unwrap_or(end);
+            }
+            let next_s = if next_held < end { Some(time_s[next_held]) } else { end_s };
+            let unknown_s = last_s.zip(next_s).map_or(f64::INFINITY, |(last, next)| next - last);
+            let source =
+                if unknown_s <= settings.position_trust_s { Source::Bridged } else { Source::Inertial };
+            frames[frame].gap_s = time_s[frame] - last_s.unwrap_or(from_s);
             let Some(moved) = motion.at(time_s[frame]) else {
                 gap.source = Source::None;
                 continue;
@@ -456,7 +525,7 @@ fn fill(
                 vector::add(vector::scale(a, of_a), vector::scale(b, of_b))
             };
             let linear = (1.0 - share, share);
-            let turning = if pinned { forgetting(frames[frame].gap_s, length_s) } else { linear };
+            let turning = if pinned { forgetting(time_s[frame] - from_s, length_s) } else { linear };
             let turn = Quaternion::from_rotation_vector(mix((left.0, right.0), turning));
             frames[frame].pose = Some(Pose {
                 position_m: vector::add(moved.pose.position_m, mix((left.1, right.1), linear)),
@@ -465,6 +534,9 @@ fn fill(
             frames[frame].source = source;
             frames[frame].sigma_rad = moved.sigma_rad;
             frames[frame].sigma_m = moved.sigma_m;
+            if gap.source == Source::Bridged {
+                gap.source = source;
+            }
             gap.sigma_rad = gap.sigma_rad.max(moved.sigma_rad);
             gap.sigma_m = gap.sigma_m.max(moved.sigma_m);
         }

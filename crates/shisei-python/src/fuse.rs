@@ -6,7 +6,7 @@ use numpy::{PyArray1, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shisei_core::frames::{Axes, Pose};
-use shisei_core::fuse::{FuseSettings, Fusion, Inertial, Optical};
+use shisei_core::fuse::{FuseSettings, Fusion, Inertial, Optical, fuse_with_markers};
 use shisei_core::sync::rates::{RatesSettings, Start};
 use shisei_core::{Error, Quaternion, Vec3};
 use shisei_functions::last_error::user_lang;
@@ -23,13 +23,20 @@ pub fn read_motive<'py>(
     frozen: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
     let refuse = |error: motive::Error| DomainError::new_err(error.sentence(user_lang()));
-    let (take, body, time_s, tracked) = py
+    let (take, body, time_s, tracked, markers) = py
         .detach(|| {
             let take = motive::read(&Input { name, bytes })?;
             let body = take.body(body)?;
             let time_s = take.time_s()?;
-            let tracked = take.tracked(&body, LossRule { frozen_run: (frozen > 0).then_some(frozen) });
-            Ok((take, body, time_s, tracked))
+            let rule = LossRule { frozen_run: (frozen > 0).then_some(frozen) };
+            let tracked = take.tracked(&body, rule);
+            let of = |marker: motive::Marker| {
+                let seen = take.sightings(&marker, rule).into_iter();
+                let rows: Vec<Vec3> = seen.map(|place| place.unwrap_or([f64::NAN; 3])).collect();
+                (marker.name, rows)
+            };
+            let markers: Vec<(String, Vec<Vec3>)> = take.markers_of(&body)?.into_iter().map(of).collect();
+            Ok((take, body, time_s, tracked, markers))
         })
         .map_err(refuse)?;
     let poses = (0..take.len()).map(|row| take.pose(&body, row).filter(|_| tracked[row]));
@@ -41,6 +48,11 @@ pub fn read_motive<'py>(
     result.set_item("time_s", PyArray1::from_vec(py, time_s))?;
     result.set_item("position_m", table::<3>(py, position_m)?)?;
     result.set_item("q_wxyz", table::<4>(py, q_wxyz)?)?;
+    let by_name = PyDict::new(py);
+    for (name, rows) in markers {
+        by_name.set_item(name, table::<3>(py, rows)?)?;
+    }
+    result.set_item("markers_m", by_name)?;
     Ok(result)
 }
 
@@ -101,6 +113,7 @@ pub fn fuse<'py>(
     axes: &str,
     gravity_m_s2: f64,
     near_s: Option<f64>,
+    markers_m: Vec<PyReadonlyArray2<'py, f64>>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let poses = poses(rows::<3>(&position_m, "position_m")?, rows::<4>(&q_wxyz, "q_wxyz")?)?;
     let axes = Axes::from_name(axes).filter(|axes| *axes != Axes::UnityYUp);
@@ -118,7 +131,13 @@ pub fn fuse<'py>(
         acc_m_s2: rows::<3>(&acc_m_s2, "acc_m_s2")?,
         gyro_rad_s: rows::<3>(&gyro_rad_s, "gyro_rad_s")?,
     };
-    let fusion = py.detach(|| shisei_core::fuse::fuse(&optical, &inertial, &settings));
+    let mut markers: Vec<Vec<Option<Vec3>>> = Vec::with_capacity(markers_m.len());
+    for marker in &markers_m {
+        let seen = rows::<3>(marker, "markers_m")?.iter();
+        markers.push(seen.map(|place| (!place.iter().any(|x| x.is_nan())).then_some(*place)).collect());
+    }
+    let markers: Vec<&[Option<Vec3>]> = markers.iter().map(Vec::as_slice).collect();
+    let fusion = py.detach(|| fuse_with_markers(&optical, &markers, &inertial, &settings));
     told(py, &fusion.map_err(|error| exception("fuse", error))?)
 }
 
@@ -151,5 +170,8 @@ fn told<'py>(py: Python<'py>, fusion: &Fusion) -> PyResult<Bound<'py, PyDict>> {
     result.set_item("lever_arm_m", fusion.lever.map(|lever| lever.sensor_m))?;
     result.set_item("sigma_lever_arm_m", fusion.lever.map(|lever| lever.sigma_m))?;
     result.set_item("up", fusion.up)?;
+    let places = fusion.held.places.iter().map(|place| place.map(|place| (place.at_m, place.sigma_m)));
+    result.set_item("places", places.collect::<Vec<_>>())?;
+    result.set_item("held", fusion.held.frames.clone())?;
     Ok(result)
 }

@@ -1,4 +1,6 @@
 """shisei.fuse on a simulated take; the simulation is written here, apart from the package."""
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -72,6 +74,28 @@ def test_gaps_are_filled_and_the_rest_is_left_alone():
     columns = fused.columns()
     assert list(columns)[:9] == ["frame", "time_s", "p_x", "p_y", "p_z", "q_w", "q_x", "q_y", "q_z"]
     assert all(len(column) == len(optical.time_s) for column in columns.values())
+
+
+def test_a_marker_that_is_still_seen_holds_the_body():
+    optical, position, attitude = take(lost=((8.0, 16.0),))
+    imu, rng = sensor(), np.random.default_rng(6)
+    places = {"front": np.array([0.06, 0.01, 0.0]), "left": np.array([0.0, 0.02, 0.05])}
+    markers = {k: position + attitude.apply(at) + rng.normal(0, 1e-4, position.shape) for k, at in places.items()}
+    markers["left"][960:1920] = np.nan
+    marked = dataclasses.replace(optical, markers_m=markers)
+    lost = np.isnan(optical.position_m[:, 0])
+    bare, fused = shisei.fuse(optical, imu), shisei.fuse(marked, imu)
+    off = lambda found: np.linalg.norm(found.position_m - position, axis=1)[lost].max()  # noqa: E731
+    assert off(fused) < 2e-3 and off(bare) > 10 * off(fused), (off(fused), off(bare))
+    assert (fused.held == lost).all() and not bare.held.any() and bare.markers == {}
+    assert (fused.source[lost] == "bridged").all() and (fused.gap_s[lost] == 0).all()
+    assert fused.gaps[0].sigma_m < 0.003 < bare.gaps[0].sigma_m
+    for name, at in places.items():
+        np.testing.assert_allclose(fused.markers[name].at_m, at, atol=1e-4)
+    few = dataclasses.replace(optical, markers_m={"once": np.where(np.arange(len(position))[:, None] < 20, position, np.nan)})
+    assert shisei.fuse(few, imu).markers == {"once": None}
+    with pytest.raises((shisei.ShapeError, shisei.DomainError)):
+        shisei.fuse(dataclasses.replace(optical, markers_m={"short": position[:-1]}), imu)
 
 
 def test_data_frames_and_mappings_are_the_same_recording():

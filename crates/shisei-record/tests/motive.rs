@@ -351,3 +351,38 @@ fn camera_pulses_give_the_samples_their_frames() {
     }
     assert!(pulses("1\nnan\n").is_err() && pulses("1\ninf\n").is_err());
 }
+
+#[test]
+fn a_bodys_own_markers_are_those_that_the_cameras_saw() {
+    let frames = filmed(3);
+    let stick = Body { name: "Tool2", ..tool(&frames) };
+    let style = Style { units: "Centimeters", ..Style::default() };
+    let mut take = take_of(&csv(&[tool(&frames), stick], RATE_HZ, &style));
+    let body = take.body(Some("Tool")).expect("the body");
+    let markers = take.markers_of(&body).expect("units");
+    // not the solved ones, not the other body's, not the one without a name
+    let names: Vec<&str> = markers.iter().map(|marker| marker.name.as_str()).collect();
+    assert_eq!(names, ["Tool:Marker1", "Tool:Marker2", "Tool:Marker3", "Tool:Marker4"]);
+    let to_z_up = take.axes().to(Axes::ZUp);
+    for (index, marker) in markers.iter().enumerate() {
+        let seen = take.sightings(marker, LossRule::default());
+        for (found, frame) in seen.iter().zip(&frames) {
+            let expected = frame.markers_m[index];
+            assert_eq!(found.is_some(), expected.is_some());
+            if let (Some(found), Some(expected)) = (found, expected) {
+                let apart = vector::norm(vector::sub(to_z_up.vector(*found), expected));
+                assert!(apart < 1e-7, "{apart}");
+            }
+        }
+    }
+    // five frames to the bit as the first of them
+    let columns: Vec<usize> =
+        (0..take.columns.len()).filter(|&k| take.columns[k].name.as_ref() == "Tool:Marker1").collect();
+    for k in columns {
+        let still = take.columns[k].cells[20];
+        take.columns[k].cells[20..25].fill(still);
+    }
+    let seen = take.sightings(&markers[0], LossRule::default());
+    assert!(seen[20].is_some() && seen[25].is_some() && seen[21..25].iter().all(Option::is_none));
+    assert!(take.sightings(&markers[0], LossRule { frozen_run: None })[20..25].iter().all(Option::is_some));
+}

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::json;
 use shisei_core::frames::{Axes, Pose};
+use shisei_core::fuse::markers::Place;
 use shisei_core::fuse::{FilledGap, FusedFrame, Source as PoseSource};
 use shisei_core::sync::lever::Lever;
 use shisei_core::sync::rates::Sync;
@@ -26,7 +27,15 @@ use crate::output::{Kind, Writer, is_stdout};
 #[derive(Debug)]
 pub enum How {
     /// A body whose gaps its sensor fills.
-    Bridged { sync: Box<Sync>, lever: Option<Lever>, up: Vec3 },
+    Bridged {
+        sync: Box<Sync>,
+        lever: Option<Lever>,
+        up: Vec3,
+        /// Labelled markers by name, and where they sit.
+        markers: Vec<(String, Option<Place>)>,
+        /// Frames without the body in which a marker holds it.
+        held: usize,
+    },
     /// A tool without markers in something that the cameras see.
     Held { reference: i64, grip_m: Vec3, tilt_off_rad: f64 },
 }
@@ -186,7 +195,7 @@ fn summary_json(done: &Done, outputs: &[PathBuf]) -> serde_json::Value {
         "outputs": outputs.iter().map(|path| path.display().to_string()).collect::<Vec<_>>(),
     });
     let more = match &done.how {
-        How::Bridged { sync, lever, up } => json!({
+        How::Bridged { sync, lever, up, markers, held } => json!({
             "offset_s": sync.offset_s,
             "sigma_offset_s": sync.sigma_offset_s,
             "skew_ppm": sync.skew * 1e6,
@@ -197,6 +206,12 @@ fn summary_json(done: &Done, outputs: &[PathBuf]) -> serde_json::Value {
             "lever_arm_m": lever.map(|lever| lever.sensor_m),
             "sigma_lever_arm_m": lever.map(|lever| lever.sigma_m),
             "up": up,
+            "markers": markers.iter().map(|(name, place)| json!({
+                "name": name,
+                "at_m": place.map(|place| place.at_m),
+                "sigma_mm": place.map(|place| place.sigma_m * 1e3),
+            })).collect::<Vec<_>>(),
+            "held_by_markers": held,
         }),
         How::Held { reference, grip_m, tilt_off_rad } => json!({
             "parent": done.body.name,

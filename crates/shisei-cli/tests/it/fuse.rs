@@ -285,3 +285,47 @@ fn a_tool_in_a_hand_is_placed_by_its_sensor() {
     let ran = desk.run(&["fuse", "take.csv", "imu.csv", "--parent", "Anna:RHand"]);
     assert_eq!(ran.code, 2, "{}", ran.stderr);
 }
+
+#[test]
+fn a_marker_that_is_still_seen_holds_the_body() {
+    let rig = Rig {
+        body_from_sensor: Quaternion::from_rotation_vector([0.5, -1.2, 0.8]),
+        sensor_m: [0.03, -0.02, 0.05],
+        markers_m: vec![[0.05, 0.0, 0.01], [0.0, 0.06, 0.02], [-0.04, 0.0, 0.03], [0.0, -0.05, 0.0]],
+    };
+    let motion = movements::wander(5, 3.0, 32.0);
+    let settings = Settings { errors: Errors::DrawnAligned, ..Settings::new(200.0, 5) };
+    let cameras = Cameras { offset_s: 2.3, hidden_s: vec![(12.0, 24.0, 1)], ..Cameras::new(120.0, 32.0, 5) };
+    let frames = film(&motion, &rig, &cameras);
+    let simulation = simulate(&motion, &Sensor::lsm6ds3tr_c(), &settings);
+    let desk = desk(&frames, &simulation);
+    let body = Body { name: "Tool", bone: false, parent: "", frames: &frames, markers: true };
+    desk.put("marked.csv", csv(&[body], 120.0, &Style { units: "Millimeters", ..Style::default() }));
+    let fused = |take: &str| {
+        let ran = desk.run(&["fuse", take, "imu.csv", "--json", "-o", "a.csv", "--no-report", "--force"]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let json: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one object");
+        let mut most_mm = 0.0_f64;
+        for (line, frame) in desk.text("a.csv").lines().skip(1).zip(&frames) {
+            let cells: Vec<&str> = line.split(',').collect();
+            let p = [2, 3, 4].map(|k| cells[k].parse::<f64>().expect("a number"));
+            let truth = Axes::ZUp.to(Axes::YUp).vector(frame.truth.position_m);
+            most_mm = most_mm.max(1e3 * vector::norm(vector::sub(p, truth)));
+            assert_eq!(cells[9], if frame.pose.is_some() { "optical" } else { "bridged" });
+        }
+        (json, most_mm, ran.stderr)
+    };
+    let (bare, bare_mm, _) = fused("take.csv");
+    let (json, most_mm, told) = fused("marked.csv");
+    assert!(most_mm < 2.0 && bare_mm > 10.0, "{most_mm} {bare_mm}");
+    assert_eq!(
+        (bare["markers"].as_array().map(Vec::len), bare["held_by_markers"].as_u64()),
+        (Some(0), Some(0))
+    );
+    assert_eq!(json["markers"][1]["name"].as_str(), Some("Tool:Marker2"));
+    let at_m = json["markers"][1]["at_m"].as_array().expect("placed");
+    assert!((at_m[1].as_f64().expect("a number") - 0.06).abs() < 1e-4, "{at_m:?}");
+    let held = json["held_by_markers"].as_u64().expect("a count");
+    assert!((1430..=1440).contains(&held) && told.contains("4 of 4 sit on the body"), "{held} {told}");
+    assert!(json["gaps"][0]["sigma_mm"].as_f64() < Some(3.0));
+}

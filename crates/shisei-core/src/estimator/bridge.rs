@@ -7,7 +7,7 @@
 use alloc::vec::Vec;
 
 use super::calibration::Calibration;
-use super::engine::{OpticalNoise, OpticalPose};
+use super::engine::{OpticalNoise, OpticalPose, Point, Points};
 use super::model::STATES_WITH_LEVER;
 use super::online::{State, check};
 use super::runner::Runner;
@@ -64,6 +64,19 @@ pub fn bridge(
     optics: &BridgeSettings,
     settings: &Settings,
 ) -> Result<(Vec<Bridged>, Calibration)> {
+    bridge_by_points(acc_m_s2, gyro_rad_s, dt, poses, &[], optics, settings)
+}
+
+/// As [`bridge`], with the markers that are seen where there is no pose: one row a sample, or none at all.
+pub(crate) fn bridge_by_points(
+    acc_m_s2: &[Vec3],
+    gyro_rad_s: &[Vec3],
+    dt: Dt<'_>,
+    poses: &[Option<OpticalPose>],
+    points: &[Points],
+    optics: &BridgeSettings,
+    settings: &Settings,
+) -> Result<(Vec<Bridged>, Calibration)> {
     lengths(acc_m_s2, gyro_rad_s, dt)?;
     filter::same_length(acc_m_s2.len(), poses.len())?;
     check(settings)?;
@@ -86,12 +99,14 @@ pub fn bridge(
             })
         })
         .collect();
+    let from_centre = |point: Point| Point { position_m: vector::sub(point.position_m, centre), ..point };
+    let points: Vec<Points> = points.iter().map(|row| row.map(|point| point.map(from_centre))).collect();
     let noise = OpticalNoise {
         attitude_rad: optics.attitude_rad,
         position_m: optics.position_m,
         lever_m: optics.lever_m,
     };
-    let bounds = bounds(&poses, dt);
+    let bounds = bounds(&poses, &points, dt);
     let mut recording = Recording {
         acc: acc_m_s2,
         gyro: gyro_rad_s,
@@ -100,6 +115,7 @@ pub fn bridge(
         rest: &[],
         poses: &poses,
         noise,
+        points: &points,
         bounds: &bounds,
     };
     let rest = rests(&recording, settings);
@@ -141,15 +157,16 @@ fn centre(poses: &[Option<OpticalPose>]) -> Vec3 {
 }
 
 /// How strongly the motion is bounded at each sample: by the length of the gap it lies in.
-fn bounds(poses: &[Option<OpticalPose>], dt: Dt<'_>) -> Vec<f64> {
+fn bounds(poses: &[Option<OpticalPose>], points: &[Points], dt: Dt<'_>) -> Vec<f64> {
+    let seen = |k: usize| poses[k].is_some() || points.get(k).is_some_and(|points| points[0].is_some());
     let mut out = alloc::vec![0.0; poses.len()];
     let mut k = 0;
     while k < poses.len() {
-        if poses[k].is_some() {
+        if seen(k) {
             k += 1;
             continue;
         }
-        let end = (k..poses.len()).find(|&j| poses[j].is_some()).unwrap_or(poses.len());
+        let end = (k..poses.len()).find(|&j| seen(j)).unwrap_or(poses.len());
         let length_s: f64 = (k..end).map(|j| dt.at(j)).filter(|step| step.is_finite()).sum();
         out[k..end].fill(((length_s - BOUND_FROM_S) / (BOUND_FULL_S - BOUND_FROM_S)).clamp(0.0, 1.0));
         k = end;

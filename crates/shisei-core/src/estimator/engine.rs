@@ -20,6 +20,40 @@ pub struct OpticalPose {
     pub position_m: Vec3,
 }
 
+/// A marker of the optical body, seen at a sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Point {
+    /// From the body's point to the marker, m, sensor axes.
+    pub arm_m: Vec3,
+    /// Where it was seen, m, world.
+    pub position_m: Vec3,
+    /// Variance of that, the arm's doubt included, m².
+    pub variance_m2: f64,
+}
+
+/// Most markers of a sample: so many beside a rest fit into an interval's measurements.
+pub(crate) const POINTS: usize = 2;
+
+/// The markers that are seen at a sample, the first ones first.
+pub(crate) type Points = [Option<Point>; POINTS];
+
+/// What the cameras saw at a sample.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sight<'a> {
+    Pose(&'a OpticalPose, &'a OpticalNoise),
+    Points(&'a Points),
+}
+
+impl<'a> Sight<'a> {
+    /// The pose, if it is one.
+    pub(super) fn pose(self) -> Option<&'a OpticalPose> {
+        match self {
+            Sight::Pose(pose, _) => Some(pose),
+            Sight::Points(_) => None,
+        }
+    }
+}
+
 /// How well optical poses are known, and what the lever arm may be.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct OpticalNoise {
@@ -285,7 +319,7 @@ impl<const N: usize> Engine<N> {
     }
 
     /// Ends the interval: covariance, measurements, nominal state.
-    pub(super) fn close(&mut self, rest: bool, optical: Option<(&OpticalPose, &OpticalNoise)>) {
+    pub(super) fn close(&mut self, rest: bool, optical: Option<Sight<'_>>) {
         let sums = core::mem::take(&mut self.sums);
         let t = sums.time_s;
         if t <= 0.0 {
@@ -306,7 +340,8 @@ impl<const N: usize> Engine<N> {
         let at_rest = (rest && sums.blind_rate_s == 0.0).then(|| self.rate_at_rest(&sums));
         let mut error = [0.0; N];
         match optical {
-            Some((pose, noise)) => self.measure_pose(pose, noise, &mut error),
+            Some(Sight::Pose(pose, noise)) => self.measure_pose(pose, noise, &mut error),
+            Some(Sight::Points(points)) => self.measure_points(points, &mut error),
             None => self.measure_bounds(rest, t, &mut error),
         }
         if let Some((off, variance)) = at_rest {
@@ -361,12 +396,27 @@ impl<const N: usize> Engine<N> {
         if N < STATES_WITH_LEVER {
             return;
         }
-        let matrix = q.to_matrix();
-        let arm = q.rotate(self.nominal.lever);
-        let off = vector::sub(vector::sub(pose.position_m, self.nominal.position), arm);
+        self.measure_place(self.nominal.lever, pose.position_m, noise.position_m * noise.position_m, error);
+    }
+
+    /// Markers are where the pose puts them: `m = p + R (l + a)`.
+    fn measure_points(&mut self, points: &Points, error: &mut [f64; N]) {
+        if N < STATES_WITH_LEVER {
+            return;
+        }
+        for point in points.iter().flatten() {
+            let lever = vector::add(self.nominal.lever, point.arm_m);
+            self.measure_place(lever, point.position_m, point.variance_m2, error);
+        }
+    }
+
+    /// What lies at a lever arm from the sensor is at a place.
+    fn measure_place(&mut self, lever: Vec3, place: Vec3, variance: f64, error: &mut [f64; N]) {
+        let matrix = self.nominal.world_from_body.to_matrix();
+        let arm = self.nominal.world_from_body.rotate(lever);
+        let off = vector::sub(vector::sub(place, self.nominal.position), arm);
         // d(Exp(φ) R l) = φ × R l
         let cross = [[0.0, arm[2], -arm[1]], [-arm[2], 0.0, arm[0]], [arm[1], -arm[0], 0.0]];
-        let variance = noise.position_m * noise.position_m;
         self.step.take(&mut self.covariance, error, Rows::Arm(cross, matrix), off, variance);
     }
 

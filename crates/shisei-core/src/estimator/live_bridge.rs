@@ -4,7 +4,7 @@
 //! gap is bounded by how long it has lasted so far. So an error in a gap grows until the cameras are back, where the
 //! smoother's is held at both ends; docs/en/live.md has both in figures.
 
-use super::engine::{OpticalNoise, OpticalPose};
+use super::engine::{OpticalNoise, OpticalPose, Sight};
 use super::guard::Sample;
 use super::model::{POS, STATES_WITH_LEVER};
 use super::online::{State, check};
@@ -85,7 +85,7 @@ impl LiveBridge {
         let density = if bound > 0.0 { 1.0 / bound } else { 0.0 };
         let model = &mut self.runner.engines[0].model;
         (model.speed_floor, model.position_spread) = (density, density);
-        let measured = pose.as_ref().map(|pose| (pose, &self.noise));
+        let measured = pose.as_ref().map(|pose| Sight::Pose(pose, &self.noise));
         let rate = vector::sub(sample.gyro_rad_s, self.bridged.state.gyro_bias_rad_s);
         let turns = vector::norm(rate) > REST_RATE_RAD_S;
         match self.runner.take(sample, turns.then_some(false), measured) {

@@ -40,9 +40,13 @@ mod transition;
 mod watch;
 
 #[cfg(feature = "alloc")]
+pub(crate) use bridge::bridge_by_points;
+#[cfg(feature = "alloc")]
 pub use bridge::{BridgeSettings, Bridged, bridge};
 pub use calibration::{CALIBRATION_STATES, Calibration};
 pub use engine::OpticalPose;
+#[cfg(feature = "alloc")]
+pub(crate) use engine::{POINTS, Point, Points};
 pub use guard::Sample;
 #[cfg(feature = "alloc")]
 pub use lag::FixedLag;

@@ -1,7 +1,7 @@
 //! Filters on a stream of samples: start, gaps, rests, and the watch that starts them anew when what they say
 //! can no longer be.
 
-use super::engine::{Engine, OpticalNoise, OpticalPose};
+use super::engine::{Engine, Sight};
 use super::guard::{Checked, Guard, Sample};
 use super::level::Leveller;
 use super::model::Nominal;
@@ -84,13 +84,9 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         Engine::new(model, settings.gravity_m_s2, known, Quaternion::IDENTITY, sigma, lever_m)
     }
 
-    /// Takes a sample. `rest` stands for the search for rests, which starts anew after it; `pose` is the optical pose of the sample.
-    pub(super) fn take(
-        &mut self,
-        sample: &Sample,
-        rest: Option<bool>,
-        pose: Option<(&OpticalPose, &OpticalNoise)>,
-    ) -> Event {
+    /// Takes a sample. `rest` stands for the search for rests, which starts anew after it; `sight` is
+    /// what the cameras saw at it.
+    pub(super) fn take(&mut self, sample: &Sample, rest: Option<bool>, sight: Option<Sight<'_>>) -> Event {
         let (mut reading, gap_s) = match self.guard.check(sample, &self.settings) {
             Checked::Useless => return Event::Useless,
             Checked::Next(reading) => (reading, None),
@@ -119,17 +115,19 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             let nominal = &self.engines[0].nominal;
             level.add(&reading, nominal.rate(reading.gyro), nominal.force(reading.acc));
             let level = *level;
-            if level.time_s + 0.5 * reading.dt_s < self.settings.level_s && pose.is_none() {
+            if level.time_s + 0.5 * reading.dt_s < self.settings.level_s
+                && sight.and_then(Sight::pose).is_none()
+            {
                 return if begins { Event::LevelBegins } else { Event::Levelling };
             }
-            self.start(&level, pose.map(|(pose, _)| pose));
+            self.start(&level, sight);
             return Event::Levelled;
         }
         for engine in &mut self.engines {
             engine.add(&reading);
         }
         let due = self.engines[0].sums.time_s + 0.5 * reading.dt_s >= self.settings.update_s;
-        if due { self.close(pose) } else { Event::Moved }
+        if due { self.close(sight) } else { Event::Moved }
     }
 
     /// The newest rate that the filters took, corrected by what was known of the sensor beforehand, rad/s.
@@ -145,23 +143,27 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     }
 
     /// Ends the level: all filters go on from there, each with its own heading.
-    fn start(&mut self, level: &Leveller, pose: Option<&OpticalPose>) {
+    fn start(&mut self, level: &Leveller, sight: Option<Sight<'_>>) {
         let sigma = level.sigma(self.settings.level_sigma_rad, self.settings.gravity_m_s2);
         let off = if self.started { 0.0 } else { level.off_gravity(self.settings.gravity_m_s2) };
         let first = self.engines[0].nominal.world_from_body;
         for engine in &mut self.engines {
             let own = heading_between(engine.nominal.world_from_body, first);
             let mut q = own.product(level.attitude()).normalized();
-            if let Some(pose) = pose {
+            if let Some(pose) = sight.and_then(Sight::pose) {
                 q = pose.world_from_body;
             }
             engine.restart(q, sigma);
             if off > UNCALIBRATED {
                 engine.doubt_accelerometer(1.5 * off);
             }
-            if let Some(pose) = pose {
-                engine.nominal.position = vector::sub(pose.position_m, q.rotate(engine.nominal.lever));
-            }
+            let lever = engine.nominal.lever;
+            let (place, arm) = match sight {
+                Some(Sight::Pose(pose, _)) => (pose.position_m, lever),
+                Some(Sight::Points([Some(point), ..])) => (point.position_m, vector::add(lever, point.arm_m)),
+                _ => continue,
+            };
+            engine.nominal.position = vector::sub(place, q.rotate(arm));
         }
         self.level = None;
         self.last_level = Some(*level);
@@ -169,11 +171,11 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         self.watch = Watch::new(self.settings.gravity_m_s2);
     }
 
-    fn close(&mut self, pose: Option<(&OpticalPose, &OpticalNoise)>) -> Event {
+    fn close(&mut self, sight: Option<Sight<'_>>) -> Event {
         let sums = &self.engines[0].sums;
         let strange = sums.blind_force_s == 0.0 && self.watch.update(sums.force, sums.time_s);
         for engine in &mut self.engines {
-            engine.close(self.at_rest, pose);
+            engine.close(self.at_rest, sight);
         }
         if !strange && self.engines.iter().all(Engine::is_sound) {
             return Event::Closed;

@@ -4,7 +4,7 @@ use alloc::vec::Vec;
 use core::ops::Range;
 
 use super::covariance::Covariance;
-use super::engine::{OpticalNoise, OpticalPose, Step};
+use super::engine::{OpticalNoise, OpticalPose, Points, Sight, Step};
 use super::guard::Sample;
 use super::model::Nominal;
 use super::runner::{Event, Runner};
@@ -65,6 +65,8 @@ pub(super) struct Recording<'a> {
     /// Optical poses, one a sample, or none at all.
     pub poses: &'a [Option<OpticalPose>],
     pub noise: OpticalNoise,
+    /// Markers seen where there is no pose, one row a sample, or none at all.
+    pub points: &'a [Points],
     /// How strongly the motion is bounded without a pose, 0 … 1, one a sample, or none at all.
     pub bounds: &'a [f64],
 }
@@ -76,6 +78,14 @@ impl Recording<'_> {
 
     pub(super) fn sample(&self, k: usize) -> Sample {
         Sample { gyro_rad_s: self.rate(k), acc_m_s2: self.acc[k], dt_s: self.dt.at(k) }
+    }
+
+    /// What the cameras saw at sample k.
+    fn sight(&self, k: usize) -> Option<Sight<'_>> {
+        if let Some(Some(pose)) = self.poses.get(k) {
+            return Some(Sight::Pose(pose, &self.noise));
+        }
+        self.points.get(k).filter(|points| points[0].is_some()).map(Sight::Points)
     }
 
     /// The rate of sample k, corrected, and the step to it; none where it is unreadable or past a gap.
@@ -116,12 +126,12 @@ impl<const N: usize, const E: usize> Forward<N, E> {
         &mut self,
         sample: &Sample,
         rest: Option<bool>,
-        pose: Option<(&OpticalPose, &OpticalNoise)>,
+        sight: Option<Sight<'_>>,
     ) -> Option<Segment> {
         let k = self.next;
         self.next += 1;
         let lost_before = self.runner.heading_lost;
-        match self.runner.take(sample, rest, pose) {
+        match self.runner.take(sample, rest, sight) {
             Event::Useless | Event::Levelling | Event::Moved => None,
             Event::LevelBegins => {
                 if !self.started || self.start >= k {
@@ -216,9 +226,9 @@ impl<const N: usize> Forward<N, 1> {
             let density = if bound > 0.0 { 1.0 / bound } else { 0.0 };
             (model.speed_floor, model.position_spread) = (density, density);
         }
-        let pose = recording.poses.get(k).and_then(Option::as_ref).map(|pose| (pose, &recording.noise));
+        let sight = recording.sight(k);
         self.runner.ahead = recording.ahead(k + 1, &self.runner.settings);
-        (self.push(&recording.sample(k), Some(recording.rest[k]), pose), true)
+        (self.push(&recording.sample(k), Some(recording.rest[k]), sight), true)
     }
 }
 

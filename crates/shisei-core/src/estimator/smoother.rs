@@ -92,6 +92,7 @@ pub fn smooth_each(
         rest: &[],
         poses: &[],
         noise,
+        points: &[],
         bounds: &[],
     };
     let rest = rests(&recording, settings);
@@ -346,7 +347,7 @@ mod tests {
 
     fn plain<'a>(acc: &'a [Vec3], gyro: &'a [Vec3], dt: Dt<'a>) -> Recording<'a> {
         let noise = OpticalNoise { attitude_rad: 1.0, position_m: 1.0, lever_m: 0.0 };
-        Recording { acc, gyro, bias: [0.0; 3], dt, rest: &[], poses: &[], noise, bounds: &[] }
+        Recording { acc, gyro, bias: [0.0; 3], dt, rest: &[], poses: &[], noise, points: &[], bounds: &[] }
     }
 
     #[test]

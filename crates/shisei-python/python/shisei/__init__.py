@@ -38,7 +38,7 @@ from .filters import (
     mahony_adaptive,
     orient,
 )
-from .fusion import Fusion, Gap, ImuRecording, OpticalTake, Sync, fuse, read_motive, read_recording
+from .fusion import Fusion, Gap, ImuRecording, MarkerPlace, OpticalTake, Sync, fuse, read_motive, read_recording
 from .many import many
 from .measure import (
     AllanDeviation,
@@ -67,7 +67,7 @@ from .rotations import (
 
 __all__ = [
     "AdaptiveGain", "AllanDeviation", "Calibration", "ConditionError", "DomainError", "EarthRate", "Estimate",
-    "Estimator", "EstimatorState", "EstimatorStates", "Face", "FixedLag", "Fusion", "Gap", "ImuRecording", "KnownTurnsResult", "Mahony", "MeanRate", "Measured",
+    "Estimator", "EstimatorState", "EstimatorStates", "Face", "FixedLag", "Fusion", "Gap", "ImuRecording", "KnownTurnsResult", "Mahony", "MarkerPlace", "MeanRate", "Measured",
     "Motion", "MultiPoseResult", "OpticalTake",
     "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Sync", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",

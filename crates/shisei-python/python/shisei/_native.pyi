@@ -137,4 +137,5 @@ def fuse(
     axes: str,
     gravity_m_s2: float,
     near_s: float | None,
+    markers_m: list[NDArray[float64]],
 ) -> dict[str, Any]: ...

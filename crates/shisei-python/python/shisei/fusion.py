@@ -3,7 +3,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Union
 
 import numpy as np
@@ -35,6 +35,9 @@ class OpticalTake:
     frame: NDArray[np.int64] | None = None
     """(N,) frame numbers."""
     name: str = "body"
+    markers_m: Mapping[str, Floats] = field(default_factory=dict)
+    """By name, (N, 3) each: the body's own markers in the same world, NaN where one was not seen. Where the body is lost
+    and one or more of them are seen, they hold its position."""
 
 
 @dataclass(frozen=True)
@@ -61,6 +64,15 @@ class Gap(NamedTuple):
     sigma_rad: float
     """Largest expected errors (one standard deviation)."""
     sigma_m: float
+
+
+class MarkerPlace(NamedTuple):
+    """Where a marker sits on its body."""
+
+    at_m: tuple[float, float, float]
+    """Body axes."""
+    sigma_m: float
+    """Its standard error."""
 
 
 @dataclass(frozen=True)
@@ -96,7 +108,7 @@ class Fusion:
     """(N,) "optical": the cameras' pose, unchanged. "bridged": from the sensor, held at both ends of the gap. "inertial":
     trust the attitude, not the position. "none": neither."""
     gap_s: Floats
-    """(N,) time since the cameras last saw the body."""
+    """(N,) time since the cameras last saw the body or a marker that holds it."""
     sigma_rad: Floats
     """(N,) expected error of the attitude, one standard deviation."""
     sigma_m: Floats
@@ -110,6 +122,10 @@ class Fusion:
     """Up in the take's world, as gravity shows it."""
     axes: Literal["y-up", "z-up"]
     name: str
+    markers: dict[str, MarkerPlace | None]
+    """Where the take's markers sit; None for one that was not seen with the body for long enough, or moves on it."""
+    held: NDArray[np.bool_]
+    """(N,) True where the body was lost and a marker holds its position."""
 
     def columns(self) -> dict[str, Any]:
         """The columns that ``shisei fuse`` writes, for a data frame: ``pandas.DataFrame(fusion.columns())``."""
@@ -173,7 +189,7 @@ def fuse(optical: OpticalTake | Path, imu: ImuRecording | Mapping[str, Any] | Pa
     optical: an :class:`OpticalTake`, or the path of Motive's CSV (then ``body`` and ``frozen`` as in
     :func:`read_motive`). imu: an :class:`ImuRecording`, a mapping or data frame (``time_s``, and ``acc_m_s2``,
     ``gyro_rad_s`` (N, 3), or ``acc_x`` … ``gyr_z``), or a path. Clock offset, clock skew, mounting and lever arm are
-    found from the data; near_offset_s: the offset where it is known to 0.1 s, as from a common trigger. gravity_m_s2:
+    found from the data; labelled markers that are seen while the body is lost hold its position; near_offset_s: the offset where it is known to 0.1 s, as from a common trigger. gravity_m_s2:
     local. The GIL is released. Raises OSError, ShapeError, DomainError (numbers that are not finite, times that do not
     ascend, files that are no takes) and ConditionError (no common motion, rotation about one axis only, too little).
     """
@@ -184,14 +200,18 @@ def fuse(optical: OpticalTake | Path, imu: ImuRecording | Mapping[str, Any] | Pa
     recording = _imu(imu)
     time_s = as_floats(optical.time_s, "time_s").ravel()
     found = _fuse(time_s, series(optical.position_m, 3, "position_m"), series(optical.q_wxyz, 4, "q_wxyz"),
-                  recording.time_s, recording.acc_m_s2, recording.gyro_rad_s, optical.axes, gravity_m_s2, near_offset_s)
+                  recording.time_s, recording.acc_m_s2, recording.gyro_rad_s, optical.axes, gravity_m_s2, near_offset_s,
+                  [series(marker, 3, f"markers_m[{name!r}]") for name, marker in optical.markers_m.items()])
     frame = np.arange(len(time_s), dtype=np.int64) if optical.frame is None else np.asarray(optical.frame, np.int64)
     sync: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found["sync"].items()}
     return Fusion(frame=frame, time_s=time_s, position_m=found["position_m"], q_wxyz=found["q_wxyz"],
                   source=np.array(found["source"]), gap_s=found["gap_s"], sigma_rad=found["sigma_rad"],
                   sigma_m=found["sigma_m"], gaps=[Gap(*gap) for gap in found["gaps"]], sync=Sync(**sync),
                   lever_arm_m=_tuple(found["lever_arm_m"]), sigma_lever_arm_m=_tuple(found["sigma_lever_arm_m"]),
-                  up=tuple(found["up"]), axes=optical.axes, name=optical.name)
+                  up=tuple(found["up"]), axes=optical.axes, name=optical.name,
+                  markers={name: place and MarkerPlace(tuple(place[0]), place[1])
+                           for name, place in zip(optical.markers_m, found["places"])},
+                  held=np.array(found["held"], dtype=bool))
 
 
 def _tuple(values: Any) -> Any:

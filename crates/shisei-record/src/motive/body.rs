@@ -174,6 +174,16 @@ impl Take {
         Ok(markers.collect())
     }
 
+    /// The labelled markers of a rigid body, in the order of the file; none for a bone, whose skeleton's markers do not
+    /// sit still on it. Refused: an unknown unit.
+    pub fn markers_of(&self, body: &Body) -> Result<Vec<Marker>> {
+        let own = |marker: &Marker| {
+            let rest = marker.name.strip_prefix(body.name.as_str());
+            marker.kind == MarkerKind::Labeled && rest.is_some_and(|rest| rest.starts_with(':'))
+        };
+        Ok(self.markers()?.into_iter().filter(|marker| !body.is_bone && own(marker)).collect())
+    }
+
     fn cell(&self, column: usize, row: usize) -> f64 {
         self.columns.get(column).and_then(|c| c.cells.get(row)).copied().unwrap_or(f64::NAN)
     }
