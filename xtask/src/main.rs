@@ -15,6 +15,7 @@ cargo xtask bench speed                  kernels, CSV and `shisei orient` beside
 cargo xtask bench doors                  what Calc, Python and the XLL cost beside the mathematics
 cargo xtask dist [--install]             everything users install, into dist/, with checksums
 cargo xtask bench bridge [TRIAL …]       errors in optical gaps on BROAD: lines, gyroscope, ours
+cargo xtask bench sync [--install]       clocks and mounting of simulated takes, ours beside qmt's
 cargo xtask bench live                   from sample to pose, losses: 20 nodes at 120 Hz, 100 at 240 Hz
 cargo xtask soak live [MINUTES]          the live demonstration: memory and load stay flat (10 min)
 cargo xtask soak [MINUTES] [TARGET …]    fuzzes every importer for longer (10 min each)
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Some((&"bench", ["doors", rest @ ..])) => finish(bench::doors::command(&project, rest)),
         Some((&"dist", rest)) => finish(dist::command(&project, rest)),
         Some((&"bench", ["bridge", rest @ ..])) => finish(bench::bridge::command(&project, rest)),
+        Some((&"bench", ["sync", rest @ ..])) => finish(bench::sync::command(&project, rest)),
         Some((&"bench", ["live"])) => finish(bench::live::command(&project)),
         Some((&"soak", ["live", rest @ ..])) => finish(soak::command(&project, rest)),
         Some((&"soak", rest)) => finish(fuzz::soak(&project, rest)),

@@ -10,4 +10,5 @@ pub mod live;
 mod metrics;
 mod rates;
 pub mod speed;
+pub mod sync;
 mod trial;
