@@ -120,6 +120,18 @@ fn binary_garbage() {
     check(b"\x1f\x8b\x08\x00\x00", "Damaged", None, None);
 }
 
+/// Found by fuzzing: 2.5 kB whose dictionary says that it has 1.5 billion values; the decoder took memory for them.
+#[test]
+fn a_parquet_dictionary_said_to_be_long() {
+    let path =
+        concat!(env!("CARGO_MANIFEST_DIR"), "/../../fuzz/seeds/record_parquet/dictionary_said_to_be_long");
+    let error = refused(&std::fs::read(path).expect("the fuzz target's seed"));
+    assert!(
+        matches!(error.problem, Problem::Damaged { ref detail, .. } if detail.contains("dictionary")),
+        "{error}"
+    );
+}
+
 #[test]
 fn one_endless_line() {
     let line = vec![b'7'; 64 << 20];
