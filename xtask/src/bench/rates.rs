@@ -18,10 +18,8 @@ const RATES_HZ: [f64; 4] = [50.0, 100.0, 286.0, 1000.0];
 /// Largest share of a step by which a sample comes early or late, and share of the samples that are lost.
 const JITTER: f64 = 0.2;
 const LOST: f64 = 0.05;
-/// The most that both may cost, from this rate on. Below it what a fast movement does in a lost step is not to be had
-/// from the samples around it; there ours must cost less than VQF's.
+/// The most that both may cost.
 const COST: f64 = 1.15;
-const COST_FROM_HZ: f64 = 100.0;
 
 /// A trial at other times.
 struct Resampled {
@@ -140,8 +138,7 @@ fn vqf(project: &Project, of: &Resampled) -> std::result::Result<[f64; 2], Strin
     Ok([judge(&of.trial, &live?).aligned_deg, judge(&of.trial, &offline?).aligned_deg])
 }
 
-/// Prints the table; a line for each rate at which jitter and loss cost ours too much. Without peers the lowest rate is
-/// only printed.
+/// Prints the table; a line for each rate at which jitter and loss cost ours too much.
 pub fn compare(project: &Project, trials: &[Trial], peers: bool) -> std::result::Result<Vec<String>, String> {
     println!(
         "\ninclination RMSE, degrees, with the optics' 2.5 ms, at other rates: clean -> ±20 % jitter and 5 % lost"
@@ -167,9 +164,7 @@ pub fn compare(project: &Project, trials: &[Trial], peers: bool) -> std::result:
             if clean.is_finite() {
                 print!("   {name} {clean:.3} -> {rough:.3}");
             }
-            let rival = means.get(place + 2).map_or(f64::NAN, |[_, rough]| *rough);
-            let much = if rate_hz < COST_FROM_HZ { rough > rival } else { rough > COST * clean };
-            if place < 2 && much {
+            if place < 2 && rough > COST * clean {
                 lines.push(format!(
                     "{name} at {rate_hz} Hz: {clean:.3} clean, {rough:.3} with jitter and loss"
                 ));
