@@ -158,8 +158,6 @@ const SPEED_MEAN_S: f64 = 1.0;
 /// What a rate may be that was not read, rad/s, and an acceleration, m/s².
 const BLIND_RATE: f64 = 1.0;
 const BLIND_FORCE: f64 = 5.0;
-/// Of the turn that the change of rate makes in the part of a step for which no sample stands, this share is noise.
-const UNSEEN: f64 = 0.5;
 /// At rest a rate farther from the bias than this many standard deviations says that the bias jumped.
 const JUMP_SIGMAS: f64 = 6.0;
 /// Start of velocity and position: standard deviations, m/s and m.
@@ -180,8 +178,8 @@ pub(super) struct Engine<const N: usize> {
     speed_squared: f64,
     /// The sample before: rate, acceleration, and acceleration without gravity in the world.
     last: Option<(Vec3, Vec3, Vec3)>,
-    /// Change of rate over the last step, rad/s², and its length.
-    slope: Option<(Vec3, f64)>,
+    /// The change of rate over the last step, rad/s.
+    gyro_change: Vec3,
     /// What the end of the last interval did.
     pub step: Step,
 }
@@ -214,7 +212,7 @@ impl<const N: usize> Engine<N> {
             sums: Interval::default(),
             speed_squared: 0.0,
             last: None,
-            slope: None,
+            gyro_change: [0.0; 3],
             step: Step::empty(),
         };
         engine.covariance.restart_moving(moving_sigmas(sigma_tilt, HEADING_START));
@@ -242,7 +240,7 @@ impl<const N: usize> Engine<N> {
         self.sums = Interval::default();
         self.speed_squared = 0.0;
         self.last = None;
-        self.slope = None;
+        self.gyro_change = [0.0; 3];
     }
 
     /// Moves the nominal state by a reading.
@@ -256,20 +254,15 @@ impl<const N: usize> Engine<N> {
         let share = if first { 0.0 } else { reading.irregular };
         let gyro_change = vector::sub(now.0, gyro_before);
         let acc_change = vector::sub(now.1, acc_before);
-        let mut gyro = vector::sub(now.0, vector::scale(gyro_change, share));
-        let slope = vector::scale(gyro_change, 1.0 / dt);
-        if let Some((slope_before, dt_before)) = self.slope.filter(|_| share != 0.0) {
-            let usual = 1.0 - 2.0 * share;
-            let factor = dt * dt * (1.0 - usual * usual) / 6.0;
-            let mut bend = vector::scale(vector::sub(slope, slope_before), 1.0 / (dt + dt_before));
-            if let Some((next, dt_next)) = reading.next {
-                let slope_next = vector::scale(vector::sub(next, now.0), 1.0 / dt_next);
-                let after = vector::scale(vector::sub(slope_next, slope), 1.0 / (dt + dt_next));
-                bend = vector::scale(vector::add(bend, after), 0.5);
+        let gyro = match &reading.between {
+            Some(between) => {
+                let mean = vector::scale(vector::sub(between.rate, now.0), 2.0 * share);
+                let missing = 2.0 * share * dt;
+                self.sums.doubt(self.nominal.world_from_body, between.variance, missing);
+                vector::add(now.0, mean)
             }
-            gyro = vector::sub(gyro, vector::scale(bend, factor));
-        }
-        self.slope = if first { None } else { Some((slope, dt)) };
+            None => now.0,
+        };
         let coning =
             if first { [0.0; 3] } else { vector::scale(vector::cross(gyro_before, now.0), dt / 12.0) };
 
@@ -304,18 +297,30 @@ impl<const N: usize> Engine<N> {
         }
         self.sums.add(&corrected, dt);
         self.sums.acc_change_squared += vector::dot(acc_change, acc_change) * dt * dt;
-        let change_squared = vector::dot(gyro_change, gyro_change) * dt * dt;
-        self.sums.rate_change_squared += change_squared;
-        self.sums.unseen_squared += share * share * change_squared;
+        let bend = vector::sub(gyro_change, self.gyro_change);
+        self.gyro_change = gyro_change;
+        self.sums.rate_bend_squared += vector::dot(bend, bend) * dt * dt;
 
         let n = &mut self.nominal;
         n.world_from_body = q;
-        n.position = vector::add(n.position, vector::scale(n.velocity, dt));
-        n.velocity = vector::add(n.velocity, vector::scale(linear, dt));
+        let change = vector::scale(linear, dt);
+        // accelerations that are delayed are ahead of the rates' steps, and so is the velocity
+        let late = 0.5 * dt - self.model.acc_delay_s;
+        let mean = vector::add(n.velocity, vector::scale(linear, late));
+        n.position = vector::add(n.position, vector::scale(mean, dt));
+        n.velocity = vector::add(n.velocity, change);
         if self.model.position_forget_s > 0.0 {
             let keep = 1.0 - (dt / self.model.position_forget_s).min(1.0);
             n.position = vector::scale(n.position, keep);
         }
+    }
+
+    /// Moves the nominal state at a mean rate over a time, s, before a reading for which no sample stands.
+    pub(super) fn fill(&mut self, reading: &Reading, rate: Vec3, missing_s: f64) {
+        let acc_before = self.last.map_or(reading.acc, |(_, acc, _)| acc);
+        let acc = vector::scale(vector::add(acc_before, reading.acc), 0.5);
+        let filled = Reading { gyro: rate, acc, dt_s: missing_s, irregular: 0.0, between: None, ..*reading };
+        self.add(&filled);
     }
 
     /// Ends the interval: covariance, measurements, nominal state.
@@ -425,8 +430,7 @@ impl<const N: usize> Engine<N> {
         let t = sums.time_s;
         let sq = |x: f64| x * x;
         let turning = sq(m.noise_per_rate) * sums.rate_squared
-            + sq(m.noise_per_rate_change) * sums.rate_change_squared
-            + sq(UNSEEN) * sums.unseen_squared
+            + sq(m.noise_per_rate_bend) * sums.rate_bend_squared
             + sq(BLIND_RATE * sums.blind_rate_s);
         let acc = sq(m.velocity_noise) * t
             + sq(m.velocity_noise_per_change) * sums.acc_change_squared
@@ -435,6 +439,9 @@ impl<const N: usize> Engine<N> {
         for j in 0..3 {
             let own = if j < 2 { m.tilt_noise } else { m.heading_noise };
             p[PHI + j][PHI + j] += sq(own) * t + turning;
+            for l in 0..3 {
+                p[PHI + j][PHI + l] += sums.unseen[j][l];
+            }
             p[VEL + j][VEL + j] += acc;
             p[POS + j][POS + j] += acc * t * t / 3.0 + 1e-10;
             p[BG + j][BG + j] += sq(m.gyro_bias_walk) * t;

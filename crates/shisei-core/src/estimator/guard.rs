@@ -1,6 +1,7 @@
 //! Samples as they come, and readings as the filters take them: nothing that is not a finite number of a
 //! possible size gets past, and steps that are lost or irregular are known as such.
 
+use super::between::{Between, Hole};
 use super::calibration::Calibration;
 use super::settings::Settings;
 use crate::vector::{self, Vec3};
@@ -24,12 +25,20 @@ pub(super) struct Reading {
     pub dt_s: f64,
     /// (dt − usual dt) / (2 dt): how much of the step the sample before stands for.
     pub irregular: f64,
-    /// The next rate and the step to it, where they are known already.
-    pub next: Option<(Vec3, f64)>,
+    /// What the rate was in the part of the step for which the sample does not stand, where there is one.
+    pub between: Option<Between>,
     /// False where the rate could not be read and the last one is taken instead.
     pub gyro_known: bool,
     /// The same of the acceleration.
     pub acc_known: bool,
+}
+
+impl Reading {
+    /// The part of the step for which the sample does not stand.
+    pub(super) fn hole(&self) -> Option<Hole> {
+        let missing_s = 2.0 * self.irregular * self.dt_s;
+        (missing_s != 0.0).then_some(Hole { missing_s, usual_s: self.dt_s - missing_s })
+    }
 }
 
 /// What a sample is.
@@ -95,8 +104,15 @@ impl Guard {
         let acc = if acc_known { known(sample.acc_m_s2, Calibration::correct_acc) } else { acc_before };
         let gap = dt > settings.gap_s;
         let irregular = if gap { 0.0 } else { self.irregular(dt) };
-        let reading =
-            Reading { gyro, acc, dt_s: dt.min(settings.gap_s), irregular, next: None, gyro_known, acc_known };
+        let reading = Reading {
+            gyro,
+            acc,
+            dt_s: dt.min(settings.gap_s),
+            irregular,
+            between: None,
+            gyro_known,
+            acc_known,
+        };
         let blind_before = self.blind_s;
         self.blind_s = if gyro_known && acc_known { 0.0 } else { self.blind_s + dt };
         let first = self.last.is_none();

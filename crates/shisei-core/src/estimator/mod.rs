@@ -16,6 +16,7 @@
 #[cfg(feature = "alloc")]
 mod backward;
 #[cfg(feature = "alloc")]
+mod between;
 mod bridge;
 mod calibration;
 mod covariance;

@@ -140,10 +140,10 @@ pub(super) struct Interval {
     pub rate_squared: f64,
     /// Σ |change of a|² dt².
     pub acc_change_squared: f64,
-    /// Σ |change of y|² dt².
-    pub rate_change_squared: f64,
-    /// The same of what of each step no sample stands for.
-    pub unseen_squared: f64,
+    /// Σ |change of the change of y|² dt².
+    pub rate_bend_squared: f64,
+    /// Covariance of the turns for which no sample stands, rad², world.
+    pub unseen: [Vec3; 3],
     /// Σ y dt, rad.
     pub gyro: Vec3,
     /// Length, s.
@@ -169,6 +169,18 @@ pub(super) struct Corrected {
 }
 
 impl Interval {
+    /// Adds doubt about a turn of this length, s, by the variance of its rate in body axes, (rad/s)².
+    pub(super) fn doubt(&mut self, world_from_body: Quaternion, variance: Vec3, time_s: f64) {
+        let matrix = world_from_body.to_matrix();
+        for j in 0..3 {
+            for l in 0..3 {
+                for c in 0..3 {
+                    self.unseen[j][l] += time_s * time_s * matrix[j][c] * variance[c] * matrix[l][c];
+                }
+            }
+        }
+    }
+
     /// Adds a sample.
     #[inline]
     pub(super) fn add(&mut self, sample: &Corrected, dt: f64) {

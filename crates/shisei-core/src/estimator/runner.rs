@@ -1,13 +1,15 @@
 //! Filters on a stream of samples: start, gaps, rests, and the watch that starts them anew when what they say
 //! can no longer be.
 
+use super::between::{AHEAD, Between, Hole, LOST, Stepped, Trail};
 use super::engine::{Engine, Sight};
-use super::guard::{Checked, Guard, Sample};
+use super::guard::{Checked, Guard, Reading, Sample};
 use super::level::Leveller;
 use super::model::Nominal;
 use super::rest::RestFinder;
 use super::settings::{Model, Settings};
 use super::watch::Watch;
+use crate::filter::exponential::exp_half;
 use crate::math;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
@@ -37,14 +39,28 @@ const UNCALIBRATED: f64 = 0.15;
 const GIVEN_UP_HEADING: f64 = 1.0;
 const LARGEST_HEADING: f64 = core::f64::consts::PI * core::f64::consts::PI;
 
+/// A hole that the filters went over.
+#[derive(Clone, Copy, Debug)]
+struct Open {
+    hole: Hole,
+    between: Between,
+    /// The first filter's attitude in its middle.
+    world_from_body: Quaternion,
+    /// Samples since it ended, the one that did left out.
+    after: usize,
+}
+
 /// E filters of N error states on the same samples.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Runner<const N: usize, const E: usize> {
     pub settings: Settings,
     pub engines: [Engine<N>; E],
     pub level: Option<Leveller>,
-    /// The rate after the sample to come, corrected, and the step to it, where it is known.
-    pub ahead: Option<(Vec3, f64)>,
+    /// The rates after the sample to come, corrected, and how many, where they are known already.
+    pub ahead: Option<([Stepped; AHEAD], usize)>,
+    trail: Trail,
+    /// Holes of which later samples of this interval may tell more, the newest first.
+    open: [Option<Open>; AHEAD],
     /// The level that the filters last started from.
     pub last_level: Option<Leveller>,
     pub at_rest: bool,
@@ -67,6 +83,8 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             level: None,
             last_level: None,
             ahead: None,
+            trail: Trail::default(),
+            open: [None; AHEAD],
             at_rest: false,
             guard: Guard::default(),
             rest: RestFinder::default(),
@@ -87,15 +105,21 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     /// Takes a sample. `rest` stands for the search for rests, which starts anew after it; `sight` is
     /// what the cameras saw at it.
     pub(super) fn take(&mut self, sample: &Sample, rest: Option<bool>, sight: Option<Sight<'_>>) -> Event {
+        let ahead = self.ahead.take();
         let (mut reading, gap_s) = match self.guard.check(sample, &self.settings) {
             Checked::Useless => return Event::Useless,
             Checked::Next(reading) => (reading, None),
             Checked::AfterGap(reading, gap_s) => (reading, Some(gap_s)),
         };
-        reading.next = self.ahead.take();
         if gap_s.is_some() {
             self.rest.restart();
+            self.trail.restart();
+            self.open = [None; AHEAD];
         }
+        if !reading.gyro_known {
+            self.trail.restart();
+        }
+        self.trail.push(reading.gyro, reading.dt_s);
         self.at_rest = match rest {
             Some(rest) => {
                 self.rest.restart();
@@ -123,11 +147,81 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             self.start(&level, sight);
             return Event::Levelled;
         }
+        if let Some(hole) = reading.hole() {
+            let (rates, count) = ahead.unwrap_or(([([0.0; 3], 0.0); AHEAD], 0));
+            reading.between = self.trail.between(hole, 0, &rates[..count]);
+            if let Some(between) = reading.between.filter(|_| hole.missing_s > LOST * hole.usual_s) {
+                self.fill(&reading, hole, between, ahead.is_none());
+                reading = Reading { dt_s: hole.usual_s, irregular: 0.0, between: None, ..reading };
+            }
+        }
         for engine in &mut self.engines {
             engine.add(&reading);
         }
-        let due = self.engines[0].sums.time_s + 0.5 * reading.dt_s >= self.settings.update_s;
-        if due { self.close(sight) } else { Event::Moved }
+        self.look_back();
+        let time_s = self.engines[0].sums.time_s + 0.5 * reading.dt_s;
+        let waits =
+            sight.is_none() && time_s < 2.0 * self.settings.update_s && self.open.iter().any(Option::is_some);
+        if time_s >= self.settings.update_s && !waits { self.close(sight) } else { Event::Moved }
+    }
+
+    /// Moves all filters over a hole before a reading; `open`, if later samples may tell more of it.
+    fn fill(&mut self, reading: &Reading, hole: Hole, between: Between, open: bool) {
+        let before = self.engines[0].nominal.world_from_body;
+        for engine in &mut self.engines {
+            engine.fill(reading, between.rate, hole.missing_s);
+        }
+        let turn = vector::scale(between.rate, 0.5 * hole.missing_s);
+        let world_from_body = before.product(exp_half(vector::scale(turn, 0.5)));
+        let filled = Open { hole, between, world_from_body, after: 0 };
+        if open {
+            // more than there is room for: the oldest stays as it is
+            if let Some(oldest) = self.open[AHEAD - 1].take() {
+                self.doubt(&oldest);
+            }
+            self.open.rotate_right(1);
+            self.open[0] = Some(filled);
+        } else {
+            self.doubt(&filled);
+        }
+    }
+
+    /// Corrects the turns in holes by the samples that came after them.
+    fn look_back(&mut self) {
+        for place in 0..self.open.len() {
+            let Some(mut open) = self.open[place].take() else { continue };
+            if open.after > 0
+                && let Some(between) = self.trail.between(open.hole, open.after, &[])
+            {
+                let off = vector::scale(vector::sub(between.rate, open.between.rate), open.hole.missing_s);
+                let now_from_then = self.since(&open);
+                let turn = exp_half(vector::scale(now_from_then.rotate(off), 0.5));
+                for engine in &mut self.engines {
+                    engine.nominal.world_from_body = engine.nominal.world_from_body.product(turn);
+                }
+                open.between = between;
+            }
+            open.after += 1;
+            if open.after <= AHEAD {
+                self.open[place] = Some(open);
+            } else {
+                self.doubt(&open);
+            }
+        }
+    }
+
+    /// The turn from a hole's middle to now: from the body's axes then to those now.
+    fn since(&self, open: &Open) -> Quaternion {
+        self.engines[0].nominal.world_from_body.conjugate().product(open.world_from_body)
+    }
+
+    /// Tells all filters how well the turn in a hole is known.
+    fn doubt(&mut self, open: &Open) {
+        let now_from_then = self.since(open);
+        for engine in &mut self.engines {
+            let then = engine.nominal.world_from_body.product(now_from_then);
+            engine.sums.doubt(then, open.between.variance, open.hole.missing_s);
+        }
     }
 
     /// The newest rate that the filters took, corrected by what was known of the sensor beforehand, rad/s.
@@ -172,6 +266,9 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     }
 
     fn close(&mut self, sight: Option<Sight<'_>>) -> Event {
+        for open in core::mem::take(&mut self.open).iter().flatten() {
+            self.doubt(open);
+        }
         let sums = &self.engines[0].sums;
         let strange = sums.blind_force_s == 0.0 && self.watch.update(sums.force, sums.time_s);
         for engine in &mut self.engines {

@@ -3,6 +3,7 @@
 use alloc::vec::Vec;
 use core::ops::Range;
 
+use super::between::{AHEAD, Stepped};
 use super::covariance::Covariance;
 use super::engine::{OpticalNoise, OpticalPose, Points, Sight, Step};
 use super::guard::Sample;
@@ -88,8 +89,18 @@ impl Recording<'_> {
         self.points.get(k).filter(|points| points[0].is_some()).map(Sight::Points)
     }
 
+    /// The rates from sample k on, as far as they are readable and before a gap, and how many.
+    fn ahead(&self, k: usize, settings: &Settings) -> ([Stepped; AHEAD], usize) {
+        let mut ahead = [([0.0; 3], 0.0); AHEAD];
+        for place in 0..AHEAD {
+            let Some(next) = self.stepped(k + place, settings) else { return (ahead, place) };
+            ahead[place] = next;
+        }
+        (ahead, AHEAD)
+    }
+
     /// The rate of sample k, corrected, and the step to it; none where it is unreadable or past a gap.
-    fn ahead(&self, k: usize, settings: &Settings) -> Option<(Vec3, f64)> {
+    fn stepped(&self, k: usize, settings: &Settings) -> Option<Stepped> {
         if k >= self.gyro.len() {
             return None;
         }
@@ -227,7 +238,7 @@ impl<const N: usize> Forward<N, 1> {
             (model.speed_floor, model.position_spread) = (density, density);
         }
         let sight = recording.sight(k);
-        self.runner.ahead = recording.ahead(k + 1, &self.runner.settings);
+        self.runner.ahead = Some(recording.ahead(k + 1, &self.runner.settings));
         (self.push(&recording.sample(k), Some(recording.rest[k]), sight), true)
     }
 }

@@ -20,9 +20,9 @@ pub struct Model {
     /// `kw`, √s: more of both while turning, times the rate. Large values forget the learnt gyroscope matrix
     /// sooner in fast turns.
     pub noise_per_rate: f64,
-    /// `kd`, 1: more of both where the rate changes within a sample, times the change and the step. Matters at
-    /// low sample rates and for readings that jump.
-    pub noise_per_rate_change: f64,
+    /// `kd`, 1: more of both where the rate's course bends from sample to sample, times the change of its change and
+    /// the step. Matters for readings that jump; what changes evenly is integrated well at any sample rate.
+    pub noise_per_rate_bend: f64,
     /// `sa`, m/s^1.5: random walk of velocity. Large values let slow accelerations pass for motion.
     pub velocity_noise: f64,
     /// `kj`, 1: more of it where the acceleration jumps within a sample, times the change and the step: blows,
@@ -90,7 +90,7 @@ pub struct Settings {
     /// Accelerations beyond this are no readings, m/s². Default 2000.
     pub acc_limit_m_s2: f64,
     /// What is stated of the quick filter's tilt, as a share of its own standard deviation: a filter that is told of
-    /// more noise than there is, so as to follow, doubts itself more than it must. Default 0.5; large values state
+    /// more noise than there is, so as to follow, doubts itself more than it must. Default 0.53; large values state
     /// more uncertainty. This and the next two make the stated uncertainty that of a simulated sensor whose errors
     /// are as these settings say; docs/en/estimator.md has the figures and the coverage on recordings.
     pub quick_sigma_share: f64,
@@ -117,7 +117,7 @@ impl Default for Settings {
             gap_rate_rad_s: 0.5,
             gyro_limit_rad_s: 100.0,
             acc_limit_m_s2: 2000.0,
-            quick_sigma_share: 0.5,
+            quick_sigma_share: 0.53,
             smooth_sigma_share: 0.7,
             heading_sigma_share: 0.33,
             calibration: None,
@@ -129,7 +129,7 @@ const QUICK: Model = Model {
     tilt_noise: 0.003,
     heading_noise: 2e-4,
     noise_per_rate: 1e-4,
-    noise_per_rate_change: 0.3,
+    noise_per_rate_bend: 0.1,
     velocity_noise: 3e-4,
     velocity_noise_per_change: 0.25,
     gyro_bias_start: 0.03,
@@ -152,7 +152,7 @@ const CALM: Model = Model {
     tilt_noise: 2e-4,
     heading_noise: 2e-4,
     noise_per_rate: 3.5e-4,
-    noise_per_rate_change: 0.0,
+    noise_per_rate_bend: 0.0,
     velocity_noise: 0.07,
     velocity_noise_per_change: 0.0,
     gyro_bias_start: 0.03,

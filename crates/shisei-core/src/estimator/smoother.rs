@@ -29,6 +29,8 @@ use crate::vector::{self, Vec3};
 pub(super) const CHUNK: usize = 512;
 /// How far before its discovery a rest began, as a share of [`super::RestLimits::hold_s`].
 const REST_BACK: f64 = 0.7;
+/// How long after its end a rest may still seem to be one: the first of a movement must not pass for a bias.
+const REST_LATE_S: f64 = 0.2;
 
 /// How two pieces of work are done: [`InTurn`], or side by side by a caller that has threads. The result is the
 /// same to the bit.
@@ -112,7 +114,8 @@ pub(super) fn lengths(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>) -> Result<()> {
     }
 }
 
-/// Which samples are at rest: as found while they come, and back to where it must have begun.
+/// Which samples are at rest: as found while they come, back to where it must have begun, and up to where it may
+/// have ended.
 pub(super) fn rests(recording: &Recording<'_>, settings: &Settings) -> Vec<bool> {
     let (mut guard, mut finder) = (Guard::default(), RestFinder::default());
     let rows = recording.acc.len();
@@ -131,15 +134,19 @@ pub(super) fn rests(recording: &Recording<'_>, settings: &Settings) -> Vec<bool>
         };
         rest.push(finder.update(&settings.rest, &reading));
     }
-    let mut left_s = 0.0;
+    let (mut left_s, mut before_end_s) = (0.0, REST_LATE_S);
     for k in (0..rest.len()).rev() {
+        let step = recording.dt.at(k);
+        let joined = step > 0.0 && step <= settings.gap_s;
         if rest[k] {
             left_s = REST_BACK * settings.rest.hold_s;
-        } else if left_s > 0.0 {
-            rest[k] = true;
+            rest[k] = before_end_s >= REST_LATE_S;
+            before_end_s = if joined { before_end_s + step } else { REST_LATE_S };
+        } else {
+            rest[k] = left_s > 0.0;
+            before_end_s = 0.0;
         }
-        let step = recording.dt.at(k);
-        left_s = if step > 0.0 && step <= settings.gap_s { left_s - step } else { 0.0 };
+        left_s = if joined { left_s - step } else { 0.0 };
     }
     rest
 }
