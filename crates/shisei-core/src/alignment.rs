@@ -78,6 +78,13 @@ impl Alignment {
         Pose { position_m: origin, world_from_body: q }
     }
 
+    /// A marker at a place on the body, m, body axes, seen somewhere, m, optical world: its arm from the sensor,
+    /// sensor axes, and where it is in the level world.
+    pub(crate) fn marker(&self, at_m: Vec3, seen_m: Vec3) -> (Vec3, Vec3) {
+        let arm_m = self.body_from_sensor.conjugate().rotate(vector::sub(at_m, self.sensor_m));
+        (arm_m, self.level().rotate(seen_m))
+    }
+
     /// A rate without what is known of the gyroscope's errors, sensor coordinates, rad/s.
     pub fn rate(&self, gyro_rad_s: Vec3) -> Vec3 {
         let body = self.body_from_sensor.rotate(vector::sub(gyro_rad_s, self.gyro_bias_rad_s));
@@ -89,15 +96,19 @@ impl Alignment {
         vector::sub(acc_m_s2, self.acc_bias_m_s2)
     }
 
-    /// Turns the optical world level: the shortest turn that brings up to z.
+    /// Turns the optical world level.
     fn level(&self) -> Quaternion {
-        let up = self.up;
-        let axis = vector::cross(up, [0.0, 0.0, 1.0]);
-        if up[2] < -0.999_999 {
-            return Quaternion::new(0.0, 1.0, 0.0, 0.0);
-        }
-        Quaternion::new(1.0 + up[2], axis[0], axis[1], axis[2]).normalized()
+        level(self.up)
     }
+}
+
+/// The shortest turn that brings up, a unit vector, to z.
+pub(crate) fn level(up: Vec3) -> Quaternion {
+    let axis = vector::cross(up, [0.0, 0.0, 1.0]);
+    if up[2] < -0.999_999 {
+        return Quaternion::new(0.0, 1.0, 0.0, 0.0);
+    }
+    Quaternion::new(1.0 + up[2], axis[0], axis[1], axis[2]).normalized()
 }
 
 #[cfg(test)]

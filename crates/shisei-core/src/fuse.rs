@@ -15,12 +15,12 @@ pub mod relative;
 use alloc::vec::Vec;
 
 use self::markers::Held;
+use crate::alignment::Alignment;
 use crate::error::{Error, Result};
 use crate::estimator::{self, BridgeSettings, Bridged, Calibration, OpticalPose, Points};
 use crate::filter::{Dt, same_length};
 use crate::frames::{Axes, Pose};
 use crate::math;
-use crate::matrix::times_vector;
 use crate::quaternion::Quaternion;
 use crate::sync::gyro_path::Stamp;
 use crate::sync::lever::{Lever, lever_arm};
@@ -29,8 +29,6 @@ use crate::vector::{self, Vec3};
 
 /// Inertial samples this long before the first frame and after the last are used too, s.
 const MARGIN_S: f64 = 2.0;
-/// A vertical that is known less well than this is not used, rad (1°).
-const UP_SIGMA_RAD: f64 = 0.0175;
 /// A lever arm that is known less well than this is not used, m.
 const LEVER_SIGMA_M: f64 = 0.03;
 /// Poses of neighbouring frames further apart than this many usual steps are not interpolated.
@@ -218,20 +216,21 @@ pub fn fuse_with_markers(
         lever_arm(optical.time_s, optical.poses, &read_s, acc, sync.body_from_sensor, settings.gravity_m_s2)
             .ok()
             .filter(|lever| vector::norm(lever.sigma_m) < LEVER_SIGMA_M);
-    let body = Body::new(&sync, lever.as_ref(), settings);
+    let alignment = Alignment::found(&sync, lever.as_ref(), settings.axes.up(), settings.gravity_m_s2);
 
     steps.insert(0, step_s);
-    let (acc, gyro) = corrected(acc, gyro, &sync, lever.as_ref());
+    let acc: Vec<Vec3> = acc.iter().map(|acc| alignment.force(*acc)).collect();
+    let gyro: Vec<Vec3> = gyro.iter().map(|gyro| alignment.rate(*gyro)).collect();
     let seen = Seen::new(optical);
     let measured: Vec<Option<OpticalPose>> =
-        time_s.iter().map(|time_s| seen.at(*time_s).map(|pose| body.sensor(&pose))).collect();
-    let mut estimator = estimator::Settings { gravity_m_s2: body.gravity_m_s2, ..Default::default() };
+        time_s.iter().map(|time_s| seen.at(*time_s).map(|pose| alignment.sensor(&pose))).collect();
+    let mut estimator = estimator::Settings { gravity_m_s2: alignment.gravity_m_s2, ..Default::default() };
     estimator.calibration = None;
     let (dt, optics) = (Dt::PerSample(&steps), &settings.optics);
     let filled = |points: &[Points], held: &[bool]| {
         let (bridged, calibration) =
             estimator::bridge_by_points(&acc, &gyro, dt, &measured, points, optics, &estimator)?;
-        let motion = Motion { time_s, bridged: &bridged, body: &body };
+        let motion = Motion { time_s, bridged: &bridged, alignment: &alignment };
         Ok::<_, Error>((fill(optical, held, &motion, settings), calibration))
     };
     let mut held =
@@ -247,11 +246,11 @@ pub fn fuse_with_markers(
         if believed == sightings || flags == held.frames && !flags.contains(&true) {
             break;
         }
-        let points = markers::points(optical, &believed, &held.places, &body, time_s);
+        let points = markers::points(optical, &believed, &held.places, &alignment, time_s);
         ((frames, gaps), calibration) = filled(&points, &flags)?;
         (sightings, held.frames) = (believed, flags);
     }
-    Ok(Fusion { frames, gaps, sync, lever, up: body.up, calibration, held })
+    Ok(Fusion { frames, gaps, sync, lever, up: alignment.up, calibration, held })
 }
 
 fn check_poses(poses: &[Option<Pose>]) -> Result<()> {
@@ -260,74 +259,6 @@ fn check_poses(poses: &[Option<Pose>]) -> Result<()> {
         Some(row) => Err(Error::NotFinite { row }),
         None => Ok(()),
     }
-}
-
-/// The body and its sensor in the level world of the smoother.
-struct Body {
-    /// Turns the optical world level: up becomes z.
-    level: Quaternion,
-    up: Vec3,
-    gravity_m_s2: f64,
-    mounting: Quaternion,
-    sensor_m: Vec3,
-}
-
-impl Body {
-    fn new(sync: &Sync, lever: Option<&Lever>, settings: &FuseSettings) -> Self {
-        let known = lever.filter(|lever| lever.sigma_up_rad < UP_SIGMA_RAD);
-        let up = known.map_or(settings.axes.up(), |lever| lever.up);
-        Body {
-            level: shortest(up),
-            up,
-            gravity_m_s2: known.map_or(settings.gravity_m_s2, |lever| lever.gravity_m_s2),
-            mounting: sync.body_from_sensor,
-            sensor_m: lever.map_or([0.0; 3], |lever| lever.sensor_m),
-        }
-    }
-
-    /// The sensor of a body in the level world.
-    fn sensor(&self, pose: &Pose) -> OpticalPose {
-        let q = pose.world_from_body;
-        OpticalPose {
-            world_from_body: self.level.product(q).product(self.mounting).normalized(),
-            position_m: self.level.rotate(vector::add(pose.position_m, q.rotate(self.sensor_m))),
-        }
-    }
-
-    /// A marker at a place on the body, seen somewhere: its arm from the sensor, sensor axes, and where it is in the
-    /// level world.
-    fn marker(&self, at_m: Vec3, seen_m: Vec3) -> (Vec3, Vec3) {
-        (self.mounting.conjugate().rotate(vector::sub(at_m, self.sensor_m)), self.level.rotate(seen_m))
-    }
-
-    /// The body of a sensor in the level world.
-    fn pose(&self, world_from_sensor: Quaternion, position_m: Vec3) -> Pose {
-        let back = self.level.conjugate();
-        let q = back.product(world_from_sensor).product(self.mounting.conjugate()).normalized();
-        Pose { position_m: vector::sub(back.rotate(position_m), q.rotate(self.sensor_m)), world_from_body: q }
-    }
-}
-
-/// Readings without what the synchronisation has found: biases, and the gyroscope's scales and misalignment.
-fn corrected(acc: &[Vec3], gyro: &[Vec3], sync: &Sync, lever: Option<&Lever>) -> (Vec<Vec3>, Vec<Vec3>) {
-    let mounting = sync.body_from_sensor;
-    let rate = |reading: &Vec3| {
-        let body = mounting.rotate(vector::sub(*reading, sync.gyro_bias_rad_s));
-        mounting.conjugate().rotate(times_vector(&sync.gyro_matrix, &body))
-    };
-    let known = lever.filter(|lever| lever.sigma_up_rad < UP_SIGMA_RAD);
-    let bias = known.map_or([0.0; 3], |lever| lever.acc_bias_m_s2);
-    let force = |reading: &Vec3| vector::sub(*reading, bias);
-    (acc.iter().map(force).collect(), gyro.iter().map(rate).collect())
-}
-
-/// The shortest turn that brings a unit vector to z.
-fn shortest(up: Vec3) -> Quaternion {
-    let axis = vector::cross(up, [0.0, 0.0, 1.0]);
-    if up[2] < -0.999_999 {
-        return Quaternion::new(0.0, 1.0, 0.0, 0.0);
-    }
-    Quaternion::new(1.0 + up[2], axis[0], axis[1], axis[2]).normalized()
 }
 
 /// Poses between the frames.
@@ -385,7 +316,7 @@ fn between(a: &Pose, b: &Pose, share: f64) -> Pose {
 struct Motion<'a> {
     time_s: &'a [f64],
     bridged: &'a [Bridged],
-    body: &'a Body,
+    alignment: &'a Alignment,
 }
 
 /// The body and the errors expected.
@@ -420,7 +351,7 @@ impl Motion<'_> {
         let q = Quaternion::slerp(a.state.world_from_body, b.state.world_from_body, u);
         let sigma = |state: &estimator::State| math::hypot(state.sigma_tilt_rad, state.sigma_heading_rad);
         Some(Moved {
-            pose: self.body.pose(q, position_m),
+            pose: self.alignment.body(&OpticalPose { world_from_body: q, position_m }),
             sigma_rad: sigma(&a.state).max(sigma(&b.state)),
             sigma_m: a.sigma_position_m.max(b.sigma_position_m),
         })

@@ -22,6 +22,8 @@ const MARKER_M: Vec3 = [0.05, 0.03, 0.01];
 
 /// What the even trials must not exceed at 1, 5 and 10 s: degrees, mm.
 const LIMITS: [(usize, f64, f64); 3] = [(1, 0.25, 2.5), (2, 0.30, 28.0), (3, 0.35, f64::INFINITY)];
+/// The same where one marker holds the position, in gaps of every length, mm.
+const HELD_MM: f64 = 5.0;
 
 /// A trial as a take and a recording of the same clock.
 struct Trial {
@@ -108,6 +110,12 @@ pub fn command(project: &Project, words: &[&str]) -> Result<(), String> {
             println!();
         }
         if parity == Some(0) && words.is_empty() {
+            for (length, seconds) in LENGTHS_S.iter().enumerate() {
+                let (_, mm) = total(length, 3).rms();
+                if mm > HELD_MM {
+                    too_much.push(format!("{seconds} s with one marker: {mm:.1} mm; at most {HELD_MM}"));
+                }
+            }
             for (length, most_deg, most_mm) in LIMITS {
                 let (deg, mm) = total(length, 2).rms();
                 if deg > most_deg || mm > most_mm {

@@ -10,7 +10,8 @@
 
 use alloc::vec::Vec;
 
-use super::{Body, FusedFrame, NEIGHBOUR_STEPS, Optical, middle};
+use super::{FusedFrame, NEIGHBOUR_STEPS, Optical, middle};
+use crate::alignment::Alignment;
 use crate::estimator::{POINTS, Point, Points};
 use crate::frames::Pose;
 use crate::math;
@@ -33,11 +34,17 @@ const JOIN_S: f64 = 0.05;
 const JUMP_M: f64 = 0.004;
 const DRIFT_M_S: f64 = 0.02;
 const DRIFT_SIGMAS_S: f64 = 0.5;
+/// What drifts faster must do so evenly: no faster than this, m/s, and with no more than this acceleration, m/s², which
+/// is that of a tilt that is off by half a degree.
+const FASTEST_M_S: f64 = 0.3;
+const BEND_M_S2: f64 = 0.1;
+/// A blow bends the way in an instant: what then goes on for so long, s, evenly, is believed.
+const STRAIGHT_S: f64 = 0.6;
 /// It must drift no faster over this time either, s; so much beside a cut is left out.
 const WINDOW_S: f64 = 0.2;
 /// A sighting that joins on to nothing must last so long, s, and be within so many standard deviations, and this
 /// much, m, of where the body is thought to be.
-const LONE_S: f64 = 0.3;
+const LONE_S: f64 = 0.5;
 const LONE_SIGMAS: f64 = 3.0;
 const LONE_M: f64 = 0.01;
 /// Most pieces of one gap: a gap broken up more is left to the sensor.
@@ -107,6 +114,8 @@ struct Piece {
     last: usize,
     /// The sighting was cut at its start, at its end.
     cut: [bool; 2],
+    /// It begins where the sighting before it bends away, without a jump.
+    bent: bool,
     verdict: Verdict,
 }
 
@@ -143,32 +152,76 @@ impl Off<'_> {
         off <= JUMP_M + drift(a.1).max(drift(b.1)) * apart_s
     }
 
+    /// Whether a marker's sightings in two frames that follow each other are free of a jump.
+    fn whole(&self, marker: usize, last: usize, frame: usize) -> bool {
+        let off = vector::norm(vector::sub(self.at(marker, frame), self.at(marker, last)));
+        off <= JUMP_M + FASTEST_M_S * (self.time_s[frame] - self.time_s[last])
+    }
+
+    /// Whether a piece bends away from one before it and then goes straight on for long enough.
+    fn bends(&self, before: &Piece, after: &Piece) -> bool {
+        let long = |piece: &Piece| self.time_s[piece.last] - self.time_s[piece.first] >= STRAIGHT_S;
+        after.bent && long(before) && long(after)
+    }
+
+    /// Whether the newest of a marker's sightings continues the way of those before it, two windows ago, one ago, and
+    /// the last.
+    fn straight(&self, marker: usize, [far, back, last, frame]: [usize; 4]) -> bool {
+        let time = |k: usize| self.time_s[k];
+        if time(frame) - time(far) < 1.8 * WINDOW_S || time(back) <= time(far) {
+            return false;
+        }
+        let at = |k: usize| self.at(marker, k);
+        let speed = vector::scale(vector::sub(at(back), at(far)), 1.0 / (time(back) - time(far)));
+        let off = |from: usize| {
+            let after_s = time(frame) - time(from);
+            let expected = vector::add(at(from), vector::scale(speed, after_s));
+            vector::norm(vector::sub(at(frame), expected)) - BEND_M_S2 * after_s * (after_s + WINDOW_S)
+        };
+        vector::norm(speed) <= FASTEST_M_S && off(last) <= JUMP_M && off(back) <= JUMP_M
+    }
+
     fn pieces(&self) -> Vec<Piece> {
         let mut pieces = Vec::new();
         for marker in 0..self.by_marker.len() {
             let mut open: Option<Piece> = None;
-            // the frame of the piece a window ago
-            let mut back = self.first;
+            // the frames of the piece one window and two windows ago
+            let (mut back, mut far) = (self.first, self.first);
             for frame in (self.first..self.end).filter(|frame| self.at(marker, *frame)[0].is_finite()) {
-                let mut cut = false;
+                let (mut cut, mut bent) = (false, false);
                 if let Some(piece) = &mut open {
                     let time_s = self.time_s[frame];
-                    while self.time_s[back] < time_s - WINDOW_S || !self.at(marker, back)[0].is_finite() {
-                        back += 1;
-                    }
+                    let since = |from: usize, from_s: f64| {
+                        let seen =
+                            |k: &usize| self.time_s[*k] >= from_s && self.at(marker, *k)[0].is_finite();
+                        (from..frame).find(seen).unwrap_or(piece.last)
+                    };
+                    back = since(back, time_s - WINDOW_S);
+                    far = since(far, time_s - 2.0 * WINDOW_S);
                     let near = time_s - self.time_s[piece.last] <= JOIN_S;
                     let one = |earlier| self.agree((marker, earlier), (marker, frame));
-                    if near && one(piece.last) && one(back) {
+                    let slow = one(piece.last) && one(back);
+                    let whole = self.whole(marker, piece.last, frame);
+                    let young = piece.bent && time_s - self.time_s[piece.first] < 2.0 * WINDOW_S;
+                    let goes_on =
+                        slow || whole && young || self.straight(marker, [far, back, piece.last, frame]);
+                    if near && goes_on {
                         piece.last = frame;
                         continue;
                     }
-                    cut = near;
+                    (cut, bent) = (near, near && whole);
                     piece.cut[1] = near;
                     pieces.push(*piece);
                 }
-                back = frame;
-                let piece =
-                    Piece { marker, first: frame, last: frame, cut: [cut, false], verdict: Verdict::Open };
+                (back, far) = (frame, frame);
+                let piece = Piece {
+                    marker,
+                    first: frame,
+                    last: frame,
+                    cut: [cut, false],
+                    bent,
+                    verdict: Verdict::Open,
+                };
                 open = Some(piece);
             }
             pieces.extend(open);
@@ -198,7 +251,10 @@ impl Off<'_> {
             let well = || {
                 let seen = |frame| self.at(a.marker, frame)[0].is_finite();
                 let cut = a.marker == b.marker && !(earlier.last + 1..later.first).any(seen);
-                !cut && self.agree((earlier.marker, earlier.last), (later.marker, later.first))
+                if cut {
+                    return later.cut[0] && self.bends(earlier, later);
+                }
+                self.agree((earlier.marker, earlier.last), (later.marker, later.first))
             };
             return near.then(well);
         }
@@ -366,7 +422,7 @@ pub(super) fn points(
     optical: &Optical<'_>,
     believed: &[Vec<Option<Vec3>>],
     places: &[Option<Place>],
-    body: &Body,
+    alignment: &Alignment,
     sample_s: &[f64],
 ) -> Vec<Points> {
     let times = optical.time_s;
@@ -387,7 +443,7 @@ pub(super) fn points(
             let Some(slot) = free.next() else { break };
             let position_m = vector::add(a, vector::scale(vector::sub(b, a), share));
             let variance_m2 = SIGMA_M * SIGMA_M + place.sigma_m * place.sigma_m;
-            let (arm_m, position_m) = body.marker(place.at_m, position_m);
+            let (arm_m, position_m) = alignment.marker(place.at_m, position_m);
             *slot = Some(Point { arm_m, position_m, variance_m2 });
         }
         points

@@ -11,7 +11,8 @@
 
 use alloc::vec::Vec;
 
-use super::{FilledGap, FusedFrame, HOLE_S, Inertial, Optical, Seen, Source, check_poses, middle, shortest};
+use super::{FilledGap, FusedFrame, HOLE_S, Inertial, Optical, Seen, Source, check_poses, middle};
+use crate::alignment;
 use crate::error::{Error, Result};
 use crate::estimator::{self, Calibration, State};
 use crate::filter::{Dt, positive, same_length};
@@ -148,7 +149,7 @@ pub fn relative(
     else {
         return Err(Error::TooFewPoints { given: 0, needed: 1 });
     };
-    let level = shortest(settings.axes.up());
+    let level = alignment::level(settings.axes.up());
     let start = level.product(parent.world_from_body).product(settings.grip).normalized();
     let align = heading(start.product(sensor.conjugate())).ok_or(Error::Degenerate)?;
     let rest = align.product(sensor).conjugate().product(start).normalized();
