@@ -25,6 +25,7 @@ use serde_json::json;
 use shisei_core::frames::Pose;
 
 use crate::cdr;
+use crate::kept;
 use crate::live::scene::Shown;
 use crate::session::{Item, Sample};
 
@@ -172,6 +173,13 @@ impl<W: Write> Take<W> {
                 &json!({
                     "event": "Node", "node": node.node, "connected": node.connected, "address": node.address,
                     "name": node.name, "battery_mv": node.battery_mv,
+                }),
+            ),
+            Item::Calibration(node, calibration) => self.event(
+                unix_ns,
+                &json!({
+                    "event": "Calibration", "node": node,
+                    "calibration": calibration.as_ref().map(kept::json),
                 }),
             ),
             Item::Garbage => self.event(unix_ns, &json!({"event": "Garbage"})),

@@ -26,7 +26,7 @@ use shisei_xiao::{BoardClock, CC_EDGE, LOW_FREQUENCY_CLOCK, address, config};
 use static_cell::StaticCell;
 
 use board::Xiao;
-use memory::{Memory, Name, NewName};
+use memory::{Changed, Memory, Settings};
 use sensor::Readings;
 
 bind_interrupts!(struct Interrupts {
@@ -104,10 +104,12 @@ async fn main(spawner: Spawner) {
     .expect("the controller starts with these fixed settings");
 
     let mut memory = Memory::new(mpsl, p.NVMC);
-    let name = memory.name();
-    let new_name = NewName::new();
-    let keep = memory.keep(&new_name);
-    let node = RefCell::new(Node::new(u16::from_le_bytes(boot), name.as_str()));
+    let settings = memory.settings();
+    let changed = Changed::new();
+    let keep = memory.keep(&changed);
+    let mut node = Node::new(u16::from_le_bytes(boot), settings.name.as_str());
+    node.keep(settings.calibration);
+    let node = RefCell::new(node);
     let (radio, readings) = (Radio::default(), Readings::default());
     radio.set_status(&node.borrow());
     let battery_mv = Cell::new(0);
@@ -121,15 +123,15 @@ async fn main(spawner: Spawner) {
             radio: &radio,
             battery_mv: &battery_mv,
             light,
-            new_name: false,
+            to_store: false,
         };
         loop {
             select(readings.wait(), Timer::after_millis(STEP_MS)).await;
             let mut node = node.borrow_mut();
             step(&mut node, &mut board);
             radio.set_status(&node);
-            if core::mem::take(&mut board.new_name) {
-                new_name.signal(Name::try_from(node.name()).unwrap_or_default());
+            if core::mem::take(&mut board.to_store) {
+                changed.signal(Settings::of(&node));
             }
         }
     };

@@ -212,7 +212,7 @@ impl<'a> Recorder<'a> {
                     _ => {}
                 }
             }
-            Item::Hello(_) | Item::Garbage => {}
+            Item::Calibration(..) | Item::Hello(_) | Item::Garbage => {}
         }
     }
 
