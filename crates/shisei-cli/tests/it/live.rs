@@ -36,7 +36,7 @@ fn unix_ns() -> u64 {
 }
 
 /// Bytes in a recording, and when the last of them came.
-fn raw(path: &Path) -> (Vec<u8>, u64) {
+pub fn raw(path: &Path) -> (Vec<u8>, u64) {
     let (mut bytes, mut last_ns) = (Vec::new(), 0);
     let file = std::fs::read(path).expect("the recording");
     shisei_hub::read::raw(&file, |_, time_ns, more| {

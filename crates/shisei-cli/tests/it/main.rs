@@ -11,3 +11,5 @@ mod many;
 mod measure;
 mod orientation;
 mod run;
+#[cfg(unix)]
+mod trouble;
