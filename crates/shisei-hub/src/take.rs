@@ -328,7 +328,7 @@ const SAMPLE: Schema = Schema {
     name: "shisei.Sample",
     encoding: "jsonschema",
     message_encoding: "json",
-    text: r#"{"type":"object","properties":{"node":{"type":"integer"},"boot":{"type":"integer"},"seq":{"type":"integer"},"stamp_us":{"type":"integer"},"time_s":{"type":["number","null"]},"frame":{"type":["number","null"]},"from_gate":{"type":"boolean"},"arrival_frame":{"type":["integer","null"]},"late":{"type":"boolean"},"reading_missed":{"type":"boolean"},"temp_c":{"type":["number","null"]},"start":{"type":"string"},"filter":{"type":"string"}}}"#,
+    text: r#"{"type":"object","properties":{"node":{"type":"integer"},"boot":{"type":"integer"},"seq":{"type":"integer"},"stamp_us":{"type":"integer"},"time_s":{"type":["number","null"]},"frame":{"type":["number","null"]},"from_gate":{"type":"boolean"},"arrival_frame":{"type":["integer","null"]},"late":{"type":"boolean"},"reading_missed":{"type":"boolean"},"temp_c":{"type":["number","null"]},"start":{"type":"string"},"filter":{"type":"string"},"calibrated":{"type":"boolean"}}}"#,
 };
 const EVENT: Schema = Schema {
     name: "shisei.Event",
@@ -352,5 +352,6 @@ fn columns(sample: &Sample) -> serde_json::Value {
         "temp_c": sample.temperature_c,
         "start": format!("{:?}", sample.start),
         "filter": format!("{:?}", sample.filter),
+        "calibrated": sample.calibrated,
     })
 }
