@@ -12,7 +12,7 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
     /// Language of messages, help and reports: en or ja (default: the locale's)
-    #[arg(long, global = true, value_name = "LANG", value_parser = ["en", "ja"])]
+    #[arg(long, global = true, display_order = 900, value_name = "LANG", value_parser = ["en", "ja"])]
     pub lang: Option<String>,
 }
 
