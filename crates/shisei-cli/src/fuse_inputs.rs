@@ -221,11 +221,11 @@ fn sequence(recording: &Recording, shown: &str, lang: Lang) -> Outcome<Vec<f64>>
     let counted =
         |row: usize| gate.and_then(|gate| gate.cells.get(row)).is_some_and(|cell| cell.trim() == "true");
     let gated = (0..extra.cells.len()).any(counted);
-    let frame = |(row, cell): (usize, &Box<str>)| {
+    let frames = extra.cells.iter().enumerate().map(|(row, cell)| {
         let frame = cell.trim().parse().unwrap_or(f64::NAN);
         if gated && !counted(row) { f64::NAN } else { frame }
-    };
-    Ok(extra.cells.iter().enumerate().map(frame).collect())
+    });
+    Ok(frames.collect())
 }
 
 /// The rates must agree with the sequence to within a frame.
