@@ -63,7 +63,7 @@ pub fn run(filter: FilterKind, mut look: impl FnMut(u64, bool)) -> (u64, u64) {
 /// The same readings through ticks and the filter alone; `look` is called before and after each update of the filter
 /// with the number of its reading.
 pub fn filter(kind: FilterKind, mut look: impl FnMut(u64, bool)) -> shisei_core::Quaternion {
-    let mut attitude = Attitude::begin(kind, shisei_core::Quaternion::IDENTITY);
+    let mut attitude = Attitude::begin(kind, shisei_core::Quaternion::IDENTITY, None);
     let (mut ticker, mut random) = (Ticker::default(), Random(7));
     let mut world_from_body = shisei_core::Quaternion::IDENTITY;
     for k in 0..READINGS {

@@ -162,7 +162,8 @@ impl Node {
             self.starter = None;
             self.start = found.start;
             self.bias_rad_s = found.bias_rad_s;
-            self.attitude = Attitude::begin(self.settings.filter, found.world_from_body);
+            self.attitude =
+                Attitude::begin(self.settings.filter, found.world_from_body, found.bias_sigma_rad_s);
         }
         let unbiased = sub(corrected.gyro_rad_s, self.bias_rad_s);
         self.world_from_body = self.attitude.update(unbiased, corrected.acc_m_s2, tick.dt_s);
