@@ -245,8 +245,7 @@ async fn answer(event: GattEvent<'_, '_, DefaultPacketPool>, server: &Server<'_>
             if Command::decode_for_node(bytes).is_err() {
                 return Some(AttErrorCode::VALUE_NOT_ALLOWED);
             }
-            let queued =
-                Vec::from_slice(bytes).is_ok_and(|command| radio.commands.try_send(command).is_ok());
+            let queued = Vec::from_slice(bytes).is_ok_and(|command| radio.commands.try_send(command).is_ok());
             (!queued).then_some(AttErrorCode::INSUFFICIENT_RESOURCES)
         }),
         _ => None,
