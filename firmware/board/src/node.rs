@@ -10,7 +10,7 @@ use embassy_sync::channel::Channel;
 use embassy_time::{Duration, Timer};
 use heapless::Vec;
 use shisei_device::node::Node;
-use shisei_wire::calibration::CALIBRATION_BYTES;
+use shisei_wire::calibration::{CALIBRATION_BYTES, Calibration};
 use shisei_wire::gatt::{
     CALIBRATION, COMMAND_MAX, CONTROL, DATA, NAME_MAX, NOTIFICATION_MAX, SERVICE, STATUS,
 };
@@ -39,6 +39,8 @@ pub struct Radio {
     anchor: Cell<Option<Anchor>>,
     status: RefCell<Status>,
     kept: RefCell<Kept>,
+    /// What `kept` is the bytes of: they are made anew only where it changed.
+    calibration: Cell<Option<Calibration>>,
 }
 
 impl Default for Radio {
@@ -50,6 +52,7 @@ impl Default for Radio {
             anchor: Cell::new(None),
             status: RefCell::new(Vec::new()),
             kept: RefCell::new(Vec::new()),
+            calibration: Cell::new(None),
         }
     }
 }
@@ -84,8 +87,11 @@ impl Radio {
         let _ = status.extend_from_slice(&node.status());
         let _ = status.extend_from_slice(node.name().as_bytes());
         *self.status.borrow_mut() = status;
-        let kept = node.calibration().and_then(|kept| kept.encode().ok());
-        *self.kept.borrow_mut() = kept.map(Kept::from).unwrap_or_default();
+        let calibration = node.calibration().copied();
+        if self.calibration.replace(calibration) != calibration {
+            let kept = calibration.and_then(|kept| kept.encode().ok());
+            *self.kept.borrow_mut() = kept.map(Kept::from).unwrap_or_default();
+        }
     }
 
     fn name(&self) -> Vec<u8, NAME_MAX> {
