@@ -2,12 +2,16 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use shisei_wire::message::MESSAGE_MAX;
-use shisei_wire::{Deframer, Message, Packet};
+use shisei_wire::message::{Command, MESSAGE_MAX};
+use shisei_wire::{Calibration, Deframer, Message, Packet};
 
 fuzz_target!(|bytes: &[u8]| {
     if let Ok(packet) = Packet::decode(bytes) {
         assert_eq!(packet.samples().count(), usize::from(packet.count()));
+    }
+    let _ = Command::decode_for_node(bytes);
+    if let Ok(calibration) = Calibration::decode(bytes) {
+        assert_eq!(calibration.encode().as_ref().map(|again| again.as_slice()), Ok(bytes));
     }
     check(bytes);
     let mut deframer = Deframer::default();

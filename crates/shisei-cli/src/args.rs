@@ -12,7 +12,7 @@ pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
     /// Language of messages, help and reports: en or ja (default: the locale's)
-    #[arg(long, global = true, value_name = "LANG", value_parser = ["en", "ja"])]
+    #[arg(long, global = true, display_order = 900, value_name = "LANG", value_parser = ["en", "ja"])]
     pub lang: Option<String>,
 }
 
@@ -70,6 +70,24 @@ pub struct Reading {
     /// Which sensor, where a file holds several
     #[arg(long, value_name = "NAME")]
     pub sensor: Option<String>,
+}
+
+/// Whether there is a report, and where it goes.
+#[derive(Args, Clone, Debug, Default)]
+pub struct Report {
+    /// Where the report goes (default: an .html file here, named like the other results)
+    #[arg(long = "report", id = "report", value_name = "OUT.html")]
+    pub path: Option<PathBuf>,
+    /// Write no report
+    #[arg(long = "no-report", id = "no_report", conflicts_with = "report")]
+    pub none: bool,
+}
+
+impl Report {
+    /// Where it goes; none where none is wanted.
+    pub fn or(&self, usual: impl Into<PathBuf>) -> Option<PathBuf> {
+        (!self.none).then(|| self.path.clone().unwrap_or_else(|| usual.into()))
+    }
 }
 
 #[derive(Args, Debug)]
@@ -171,12 +189,8 @@ pub struct Orient {
     /// Keep the input's other columns in the output
     #[arg(long)]
     pub keep: bool,
-    /// Where the report goes (default: NAME.html here)
-    #[arg(long, value_name = "OUT.html")]
-    pub report: Option<PathBuf>,
-    /// Write no report
-    #[arg(long, conflicts_with = "report")]
-    pub no_report: bool,
+    #[command(flatten)]
+    pub report: Report,
     /// Draw yaw, pitch and roll to a picture as well
     #[arg(long, value_name = "OUT.png")]
     pub plot: Option<PathBuf>,
@@ -204,12 +218,8 @@ pub struct Calibrate {
     /// gyro-turns: six faces and one known turn about each axis, of this many degrees; a negative angle is taken with its sign
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     pub turns: Option<f64>,
-    /// Where the report goes (multi-pose and gyro-turns; default: NAME.calibration.html here)
-    #[arg(long, value_name = "OUT.html")]
-    pub report: Option<PathBuf>,
-    /// Write no report
-    #[arg(long, conflicts_with = "report")]
-    pub no_report: bool,
+    #[command(flatten)]
+    pub report: Report,
     /// Length of a rest, s
     #[arg(long, value_name = "S", default_value_t = 3.0)]
     pub window: f64,

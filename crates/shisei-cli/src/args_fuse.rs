@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
+use crate::args::Report;
+
 /// How the two clocks are brought together.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum SyncName {
@@ -92,12 +94,8 @@ pub struct Fuse {
     /// Which sensor, where the file holds several
     #[arg(long, value_name = "NAME")]
     pub sensor: Option<String>,
-    /// Where the report goes (default: NAME.fused.html here)
-    #[arg(long, value_name = "OUT.html")]
-    pub report: Option<PathBuf>,
-    /// Write no report
-    #[arg(long, conflicts_with = "report")]
-    pub no_report: bool,
+    #[command(flatten)]
+    pub report: Report,
     /// Overwrite files that shisei did not write
     #[arg(long)]
     pub force: bool,

@@ -1,6 +1,6 @@
 //! Japanese texts of the command line, one for each command and option.
 
-use clap::Command;
+use clap::{Arg, Command};
 
 const COMMANDS: &[(&str, &str)] = &[
     ("shisei", "加速度・ジャイロの記録から、姿勢・運動・キャリブレーションを求めます"),
@@ -23,6 +23,7 @@ const COMMANDS: &[(&str, &str)] = &[
     ("convert", "記録を shisei の列に変換し、CSV または Parquet で書き出します"),
 ];
 
+/// By an argument's id; `command.id` is for that command only.
 const OPTIONS: &[(&str, &str)] = &[
     ("optical", "テイク: Motive のトラッキング CSV"),
     ("imu", "同じ物体の慣性センサの記録 (加速度とジャイロが別の場合は 2 ファイル)"),
@@ -69,6 +70,9 @@ const OPTIONS: &[(&str, &str)] = &[
     ("sensor", "複数のセンサを含むファイルで、使うセンサの名前"),
     ("json", "結果を 1 つの JSON として標準出力に書きます"),
     ("output", "出力先 (省略時は作業ディレクトリの NAME.…)。表は .csv または .parquet。- は標準出力です"),
+    ("record.output", "記録の出力先"),
+    ("record.force", "既存のファイルを上書きします"),
+    ("lab.output", "ポートを用意する代わりに、レシーバの出力を実時間より速くファイルに書き出します"),
     (
         "filter",
         "姿勢の推定方法。shisei は記録全体を、shisei-online はその時点までを使います。その他は古典的な方法です",
@@ -92,7 +96,7 @@ const OPTIONS: &[(&str, &str)] = &[
     ("calibration", "適用するキャリブレーション"),
     ("degrees", "角度をラジアンではなく度で出力します"),
     ("keep", "入力のその他の列を出力に残します"),
-    ("report", "レポートの出力先 (省略時は作業ディレクトリの NAME.html)"),
+    ("report", "レポートの出力先 (省略時は作業ディレクトリに、ほかの結果と同じ名前の .html)"),
     ("no_report", "レポートを出力しません"),
     ("plot", "ヨー・ピッチ・ロールの図も出力します"),
     ("force", "shisei が書いたものでないファイルも上書きします"),
@@ -131,8 +135,18 @@ const OPTIONS: &[(&str, &str)] = &[
         "configure",
         "ノードの設定: フィルタ (complementary または estimator)、パケットあたりのサンプル数、°/s、g。例 0=estimator,4,2000,8",
     ),
+    (
+        "store_calibration",
+        "ノードにキャリブレーションを保存します。ノードはフィルタの前に読み値を補正します。NODE=none で消去します",
+    ),
+    (
+        "movement",
+        "ノードの動き: free (自由な動き) または poses (6 面と多数の姿勢での静止。キャリブレーション用、112 秒)",
+    ),
+    ("kept_calibration", "ノードに最初から保存されているキャリブレーション。複数指定できます"),
     ("port", "レシーバのシリアルポート。その出力を保存したファイルも使えます"),
-    ("for_s", "この秒数で終了します (省略時は Ctrl-C で終了。-o でファイルに書く場合は 60)"),
+    ("for_s", "この秒数で終了します (省略時は Ctrl-C で終了)"),
+    ("lab.for_s", "この秒数で終了します (省略時は Ctrl-C で終了。-o でファイルに書く場合は 60)"),
     ("wait", "切断されたポートの復帰を待つ時間 [秒]"),
     ("nodes", "ノードの数 (1〜6)"),
     ("seed", "乱数の種"),
@@ -168,8 +182,17 @@ fn text(table: &[(&str, &'static str)], id: &str) -> Option<&'static str> {
     table.iter().find(|(name, _)| *name == id).map(|(_, text)| *text)
 }
 
-/// The command line with Japanese help.
-pub fn localize(command: Command) -> Command {
+/// The command line with Japanese help, at all levels.
+pub fn localize(mut command: Command) -> Command {
+    // Only what is built knows its own help option, the options of all commands, and its full name.
+    command.build();
+    level(command)
+}
+
+fn level(mut command: Command) -> Command {
+    let usage = command.render_usage().to_string();
+    let usage = usage.trim_start_matches("Usage:").trim();
+    let usage = usage.replace("[OPTIONS]", "[オプション]").replace("<COMMAND>", "<コマンド>");
     let about = text(COMMANDS, command.get_name());
     let ids: Vec<String> = command.get_arguments().map(|arg| arg.get_id().to_string()).collect();
     let subcommands: Vec<String> = command.get_subcommands().map(|sub| sub.get_name().to_owned()).collect();
@@ -178,18 +201,44 @@ pub fn localize(command: Command) -> Command {
         None => command,
     };
     for id in ids {
-        if let Some(help) = text(OPTIONS, &id) {
-            command = command.mut_arg(&id, |arg| arg.help(help).long_help(help));
-        }
+        let own = format!("{}.{id}", command.get_name());
+        let help = text(OPTIONS, &own).or_else(|| text(OPTIONS, &id));
+        command = command.mut_arg(&id, |arg| argument(arg, help));
     }
     for name in subcommands {
-        command = command.mut_subcommand(name, localize);
+        command = command.mut_subcommand(name, level);
     }
     command
+        .override_usage(usage)
         .help_template("{about}\n\n使い方: {usage}\n\n{all-args}")
         .subcommand_help_heading("コマンド")
         .subcommand_value_name("コマンド")
-        .next_help_heading("オプション")
+}
+
+/// Heading and help of an argument; what clap says in English about defaults and values is said here.
+fn argument(arg: Arg, help: Option<&'static str>) -> Arg {
+    let heading = if arg.is_positional() { "引数" } else { "オプション" };
+    // Under a heading of one's own, arguments would be sorted by name.
+    let order = arg.get_index();
+    let arg = arg.help_heading(heading);
+    let arg = order.into_iter().fold(arg, Arg::display_order);
+    let Some(help) = help else { return arg };
+    let names = |arg: &Arg| -> Vec<String> {
+        let values = arg.get_possible_values();
+        let shown = values.iter().filter(|value| !value.is_hide_set());
+        shown.map(|value| value.get_name().to_owned()).collect()
+    };
+    let takes_value = arg.get_action().takes_values();
+    let values = if takes_value { names(&arg) } else { Vec::new() };
+    let default: Vec<_> = arg.get_default_values().iter().map(|value| value.to_string_lossy()).collect();
+    let mut help = help.to_owned();
+    if !values.is_empty() {
+        help += &format!(" [値: {}]", values.join("、"));
+    }
+    if takes_value && !default.is_empty() {
+        help += &format!(" [省略時: {}]", default.join("、"));
+    }
+    arg.hide_possible_values(true).hide_default_value(true).help(help.clone()).long_help(help)
 }
 
 #[cfg(test)]
@@ -224,5 +273,41 @@ mod tests {
     #[test]
     fn japanese_command_line_is_consistent() {
         localize(Cli::command()).debug_assert();
+    }
+
+    fn check_words(command: &mut Command, wrong: &mut Vec<String>) {
+        for help in [command.render_help().to_string(), command.render_long_help().to_string()] {
+            for word in [
+                "Usage",
+                "Options",
+                "OPTIONS",
+                "Commands",
+                "COMMAND",
+                "Arguments",
+                "default",
+                "possible",
+                "Print",
+            ] {
+                if help.contains(word) {
+                    wrong.push(format!("{}: {word}", command.get_name()));
+                }
+            }
+            assert!(help.contains("使い方: shisei") && help.contains("オプション:"), "{help}");
+        }
+        command.get_subcommands_mut().for_each(|sub| check_words(sub, wrong));
+    }
+
+    #[test]
+    fn headings_are_japanese_at_all_levels() {
+        let (mut wrong, mut command) = (Vec::new(), localize(Cli::command()));
+        check_words(&mut command, &mut wrong);
+        assert!(wrong.is_empty(), "English in Japanese help: {wrong:?}");
+        let lab = command.find_subcommand_mut("simulate").and_then(|sub| sub.find_subcommand_mut("lab"));
+        let lab = lab.expect("simulate lab").render_help().to_string();
+        assert!(lab.contains("使い方: shisei simulate lab [オプション]"), "{lab}");
+        assert!(lab.contains("[値: free、poses] [省略時: free]"), "{lab}");
+        let fuse = command.find_subcommand_mut("fuse").expect("fuse").render_help().to_string();
+        let place = |word: &str| fuse.rfind(&format!("\n  {word}")).expect(word);
+        assert!(place("<OPTICAL.csv>") < place("<IMU.csv>..."), "{fuse}");
     }
 }

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, Subcommand};
+use clap::{Args, Subcommand, ValueEnum};
 
 #[derive(Args, Debug)]
 pub struct Devices {
@@ -21,6 +21,9 @@ pub struct Devices {
     /// Set a node: filter (complementary or estimator), samples a packet, °/s, g, e.g. 0=estimator,4,2000,8
     #[arg(long, value_name = "NODE=FILTER,N,DPS,G")]
     pub configure: Option<String>,
+    /// Give a node a calibration to keep: it corrects its readings with it before its filter; NODE=none takes it away
+    #[arg(long, value_name = "NODE=CAL.json")]
+    pub store_calibration: Option<String>,
     /// One JSON object on standard output
     #[arg(long)]
     pub json: bool,
@@ -106,6 +109,13 @@ pub enum Simulated {
     Lab(Lab),
 }
 
+/// What simulated nodes do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum MovementName {
+    Free,
+    Poses,
+}
+
 #[derive(Args, Debug)]
 pub struct Lab {
     /// How many nodes, 1 to 6
@@ -135,6 +145,12 @@ pub struct Lab {
     /// A node that restarts, NODE:AT in seconds; may be repeated
     #[arg(long, value_name = "NODE:AT")]
     pub reboot: Vec<String>,
+    /// What the nodes do: move freely, or rest on six faces and in many poses, to be calibrated (112 s)
+    #[arg(long, value_enum, default_value = "free")]
+    pub movement: MovementName,
+    /// A calibration that a node keeps from the start; may be repeated
+    #[arg(long = "calibration", id = "kept_calibration", value_name = "NODE=CAL.json")]
+    pub calibrations: Vec<String>,
     /// Stop after so many seconds (default: Ctrl-C stops; 60 with -o)
     #[arg(long = "for", value_name = "S")]
     pub for_s: Option<f64>,

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, ValueEnum};
 
-use crate::args::Reading;
+use crate::args::{Reading, Report};
 
 /// How `calibrate` works.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
@@ -59,12 +59,8 @@ pub struct Motion {
     /// Correct the recording with a calibration first
     #[arg(long, value_name = "CAL.json")]
     pub calibration: Option<PathBuf>,
-    /// Where the report goes (default: NAME.motion.html here)
-    #[arg(long, value_name = "OUT.html")]
-    pub report: Option<PathBuf>,
-    /// Write no report
-    #[arg(long, conflicts_with = "report")]
-    pub no_report: bool,
+    #[command(flatten)]
+    pub report: Report,
     /// Overwrite files that shisei did not write, and go on beyond the time for which position can be trusted
     #[arg(long)]
     pub force: bool,
@@ -83,12 +79,8 @@ pub struct Allan {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub reading: Reading,
-    /// Where the report goes (default: NAME.allan.html here)
-    #[arg(long, value_name = "OUT.html")]
-    pub report: Option<PathBuf>,
-    /// Write no report
-    #[arg(long, conflicts_with = "report")]
-    pub no_report: bool,
+    #[command(flatten)]
+    pub report: Report,
     /// Overwrite files that shisei did not write
     #[arg(long)]
     pub force: bool,
@@ -128,12 +120,8 @@ pub struct Earth {
     /// With --serial: where the directions go as a table (default: directions.csv here)
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,
-    /// Where the report goes (default: earth.html here)
-    #[arg(long, value_name = "OUT.html")]
-    pub report: Option<PathBuf>,
-    /// Write no report
-    #[arg(long, conflicts_with = "report")]
-    pub no_report: bool,
+    #[command(flatten)]
+    pub report: Report,
     /// Overwrite files that shisei did not write
     #[arg(long)]
     pub force: bool,

@@ -28,7 +28,7 @@ struct Line {
 pub fn run(plan: &Plan, sources: Vec<Source>) -> Outcome<()> {
     let lang = plan.lang;
     let folder = folder(plan)?;
-    if plan.args.report.is_some() || plan.args.plot.is_some() {
+    if plan.args.report.path.is_some() || plan.args.plot.is_some() {
         return Err(Failure::input(say(
             lang,
             "--report and --plot name one file, and there are several recordings; leave them out (reports are named after the recordings)",

@@ -215,7 +215,17 @@ fn sequence(recording: &Recording, shown: &str, lang: Lang) -> Outcome<Vec<f64>>
             format!("{shown}：受信機が書く frame 列がありません。--sync rates を使ってください"),
         )));
     };
-    Ok(extra.cells.iter().map(|cell| cell.trim().parse().unwrap_or(f64::NAN)).collect())
+    // Begun before the recording gate rose, a take has pulses from the receiver's start at first; the cameras count from
+    // the gate.
+    let gate = recording.extra.iter().find(|extra| extra.name.eq_ignore_ascii_case("from_gate"));
+    let counted =
+        |row: usize| gate.and_then(|gate| gate.cells.get(row)).is_some_and(|cell| cell.trim() == "true");
+    let gated = (0..extra.cells.len()).any(counted);
+    let frames = extra.cells.iter().enumerate().map(|(row, cell)| {
+        let frame = cell.trim().parse().unwrap_or(f64::NAN);
+        if gated && !counted(row) { f64::NAN } else { frame }
+    });
+    Ok(frames.collect())
 }
 
 /// The rates must agree with the sequence to within a frame.

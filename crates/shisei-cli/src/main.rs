@@ -110,6 +110,10 @@ fn usage(error: &clap::Error, lang: Lang) -> Outcome<()> {
                 if valid.is_empty() { String::new() } else { format!("。指定できる値: {valid}") };
             format!("{argument} の値 {value} は正しくありません{hint}")
         }
+        ErrorKind::MissingSubcommand => {
+            let valid = context(clap::error::ContextKind::ValidSubcommand);
+            format!("コマンドを指定してください: {valid}")
+        }
         ErrorKind::MissingRequiredArgument => format!("必要な引数がありません: {argument}"),
         ErrorKind::ArgumentConflict => {
             format!("{argument} は {} と同時に指定できません", context(clap::error::ContextKind::PriorArg))

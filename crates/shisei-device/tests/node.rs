@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use shisei_device::node::{Board, Node, QUEUE, Reading, step};
+use shisei_wire::calibration::{Calibration, Correction};
 use shisei_wire::message::Settings;
 use shisei_wire::packet::{FilterKind, Start};
 use shisei_wire::{AccRange, GyroRange, Packet};
@@ -17,6 +18,7 @@ struct Desk {
     room: bool,
     light: bool,
     name: String,
+    stored: Vec<Option<Calibration>>,
     ranges: Option<(GyroRange, AccRange)>,
 }
 
@@ -55,6 +57,9 @@ impl Board for Desk {
     }
     fn store_name(&mut self, name: &str) {
         name.clone_into(&mut self.name);
+    }
+    fn store_calibration(&mut self, calibration: Option<&Calibration>) {
+        self.stored.push(calibration.copied());
     }
 }
 
@@ -175,4 +180,73 @@ fn commands_over_the_air() {
     let packet = Packet::decode(desk.packets.last().unwrap()).unwrap();
     assert_eq!((packet.count(), packet.header.flags.filter), (8, FilterKind::Estimator));
     assert!((packet.samples().last().unwrap().world_from_body()[0].abs() - 1.0).abs() < 1e-3);
+}
+
+/// A sensor whose x axis reads 1.7 m/s² too much and whose gyroscope reads a fifth too little about z.
+fn wrong_sensor() -> Calibration {
+    let straight = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let turned = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.25]];
+    Calibration {
+        accelerometer: Correction { bias: [1.7, 0.0, 0.0], matrix: straight },
+        gyroscope: Correction { bias: [0.0; 3], matrix: turned },
+    }
+}
+
+/// What the last packet says: the attitude, whether it is of corrected readings, and the counts.
+fn newest(desk: &Desk) -> ([f64; 4], bool, [i16; 3], [i16; 3]) {
+    let packet = Packet::decode(desk.packets.last().expect("a packet")).expect("the node's own");
+    let sample = packet.samples().last().expect("a sample");
+    (sample.world_from_body(), packet.header.flags.calibrated, sample.gyro, sample.acc)
+}
+
+#[test]
+fn a_kept_calibration_corrects_the_attitude_and_not_what_is_sent() {
+    for filter in [0, 1] {
+        let (mut node, mut desk) = (Node::new(1, "a"), Desk { room: true, ..Desk::default() });
+        desk.link = Some(true);
+        desk.commands.push_back(vec![133, filter, 4, 4, 2]);
+        // At rest and level, but the accelerometer says 9.81 up and 1.7 to the side: 10° (710 counts of 0.244 mg).
+        let at_rest = Reading { acc: [710, 0, 4098], ..level() };
+        run(&mut node, &mut desk, 5000, at_rest);
+        let (world_from_body, calibrated, ..) = newest(&desk);
+        assert!(!calibrated && (world_from_body[0] - 0.9963).abs() < 1e-3, "{world_from_body:?}");
+
+        let sent = wrong_sensor();
+        desk.commands.push_back([&[134], sent.encode().unwrap().as_slice()].concat());
+        run(&mut node, &mut desk, 5000, at_rest);
+        assert_eq!((node.calibration(), desk.stored.last()), (Some(&sent), Some(&Some(sent))));
+        assert_eq!(node.start(), Start::Done);
+        let (world_from_body, calibrated, gyro, acc) = newest(&desk);
+        assert!(calibrated && (world_from_body[0] - 1.0).abs() < 1e-5, "{world_from_body:?}");
+        assert_eq!((gyro, acc), ([10, 0, 0], [710, 0, 4098]));
+
+        // 72 °/s by its own count for a second are 90°: cos 45°.
+        run(&mut node, &mut desk, 1000, Reading { gyro: [10, 0, 1029], ..at_rest });
+        let (turned, ..) = newest(&desk);
+        let angle_deg = 2.0 * shisei_core::math::acos(turned[0]).to_degrees();
+        assert!((angle_deg - 90.0).abs() < 4.0, "{angle_deg}");
+
+        // Kept at the next start by the board; then forgotten.
+        let mut again = Node::new(2, "a");
+        again.keep(desk.stored.last().copied().flatten());
+        assert_eq!(again.calibration(), Some(&sent));
+        desk.commands.push_back(vec![134]);
+        run(&mut node, &mut desk, 5000, at_rest);
+        assert_eq!((node.calibration(), desk.stored.last()), (None, Some(&None)));
+        assert!(!newest(&desk).1);
+    }
+}
+
+#[test]
+fn a_nonsense_calibration_is_refused() {
+    let (mut node, mut desk) = (Node::new(1, "a"), Desk { room: true, ..Desk::default() });
+    desk.link = Some(true);
+    let good = wrong_sensor().encode().unwrap();
+    let mut damaged = good;
+    damaged[7] ^= 1;
+    desk.commands.push_back([&[134], damaged.as_slice()].concat());
+    desk.commands.push_back([&[134], &good[..98]].concat());
+    desk.commands.push_back([&[134], [0; 99].as_slice()].concat());
+    run(&mut node, &mut desk, 10, level());
+    assert!(node.calibration().is_none() && desk.stored.is_empty());
 }

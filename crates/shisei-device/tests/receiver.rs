@@ -1,6 +1,7 @@
 //! A receiver, seen from the PC.
 
 use shisei_device::receiver::{NODES_MAX, Receiver};
+use shisei_wire::calibration::{Calibration, Correction};
 use shisei_wire::frame::FRAME_MAX;
 use shisei_wire::message::{Command, EventCode, MESSAGE_MAX, NO_NODE};
 use shisei_wire::packet::{self, Anchor, Header, Sample};
@@ -157,4 +158,42 @@ fn commands_go_to_nodes_that_are_there() {
         }
     });
     assert_eq!(names, ["足"]);
+}
+
+#[test]
+fn a_nodes_calibration_is_passed_on_told_and_read_back() {
+    let mut receiver = Small::new(3, 0);
+    assert_eq!(receiver.advertised([1; 6], 0), Some(0));
+    receiver.connected(0, "a", &[], 0);
+    let half = |bias: f32| Correction {
+        bias: [bias, 0.0, 0.0],
+        matrix: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+    };
+    let calibration = Calibration { accelerometer: half(0.25), gyroscope: half(-0.0625) };
+    let bytes = calibration.encode().unwrap();
+    let sent = send(&mut receiver, &Command::Keep(0, Some(calibration)));
+    assert_eq!(sent, Some((0, [&[134], bytes.as_slice()].concat())));
+    assert_eq!(send(&mut receiver, &Command::Keep(0, None)), Some((0, vec![134])));
+
+    let told = |receiver: &mut Small| {
+        let mut all = Vec::new();
+        read(receiver, |message| {
+            if let Message::Calibration(kept) = message {
+                all.push((kept.node, kept.calibration));
+            }
+        });
+        all
+    };
+    // with the node's name at first: none is known
+    assert_eq!(told(&mut receiver), [(0, None)]);
+    receiver.calibration(0, &bytes);
+    assert_eq!(told(&mut receiver), [(0, Some(calibration))]);
+    // the same again is no news; what cannot be read is none
+    receiver.calibration(0, &bytes);
+    assert_eq!(told(&mut receiver), []);
+    assert_eq!(send(&mut receiver, &Command::Ask), None);
+    assert_eq!(told(&mut receiver), [(0, Some(calibration))]);
+    receiver.calibration(0, &bytes[..50]);
+    assert_eq!(told(&mut receiver), [(0, None)]);
+    receiver.calibration(9, &bytes);
 }

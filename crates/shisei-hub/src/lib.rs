@@ -4,6 +4,7 @@
 //! - [`take`]: an MCAP recording of raw bytes and decoded samples that loses at most half a second when it is cut;
 //! - [`fused`]: a fused take as MCAP;
 //! - [`read`]: such a recording back, whole or cut;
+//! - [`kept`]: the calibration that a node keeps, and that of a file;
 //! - [`natnet`]: the stream of OptiTrack's Motive, decoded and encoded;
 //! - [`osc`]: poses for programs of avatars and of sound;
 //! - [`live`]: sensors and cameras together, as poses with their source and expected error;
@@ -14,6 +15,7 @@
 
 mod cdr;
 pub mod fused;
+pub mod kept;
 pub mod live;
 pub mod natnet;
 pub mod osc;

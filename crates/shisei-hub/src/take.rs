@@ -25,6 +25,7 @@ use serde_json::json;
 use shisei_core::frames::Pose;
 
 use crate::cdr;
+use crate::kept;
 use crate::live::scene::Shown;
 use crate::session::{Item, Sample};
 
@@ -174,6 +175,13 @@ impl<W: Write> Take<W> {
                     "name": node.name, "battery_mv": node.battery_mv,
                 }),
             ),
+            Item::Calibration(node, calibration) => self.event(
+                unix_ns,
+                &json!({
+                    "event": "Calibration", "node": node,
+                    "calibration": calibration.as_ref().map(kept::json),
+                }),
+            ),
             Item::Garbage => self.event(unix_ns, &json!({"event": "Garbage"})),
         }
     }
@@ -320,7 +328,7 @@ const SAMPLE: Schema = Schema {
     name: "shisei.Sample",
     encoding: "jsonschema",
     message_encoding: "json",
-    text: r#"{"type":"object","properties":{"node":{"type":"integer"},"boot":{"type":"integer"},"seq":{"type":"integer"},"stamp_us":{"type":"integer"},"time_s":{"type":["number","null"]},"frame":{"type":["number","null"]},"from_gate":{"type":"boolean"},"arrival_frame":{"type":["integer","null"]},"late":{"type":"boolean"},"reading_missed":{"type":"boolean"},"temp_c":{"type":["number","null"]},"start":{"type":"string"},"filter":{"type":"string"}}}"#,
+    text: r#"{"type":"object","properties":{"node":{"type":"integer"},"boot":{"type":"integer"},"seq":{"type":"integer"},"stamp_us":{"type":"integer"},"time_s":{"type":["number","null"]},"frame":{"type":["number","null"]},"from_gate":{"type":"boolean"},"arrival_frame":{"type":["integer","null"]},"late":{"type":"boolean"},"reading_missed":{"type":"boolean"},"temp_c":{"type":["number","null"]},"start":{"type":"string"},"filter":{"type":"string"},"calibrated":{"type":"boolean"}}}"#,
 };
 const EVENT: Schema = Schema {
     name: "shisei.Event",
@@ -344,5 +352,6 @@ fn columns(sample: &Sample) -> serde_json::Value {
         "temp_c": sample.temperature_c,
         "start": format!("{:?}", sample.start),
         "filter": format!("{:?}", sample.filter),
+        "calibrated": sample.calibrated,
     })
 }

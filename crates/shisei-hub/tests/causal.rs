@@ -42,6 +42,7 @@ fn sample(k: usize, time_s: f64, gyro_rad_s: Vec3, acc_m_s2: Vec3) -> Sample {
         reading_missed: false,
         start: Start::Done,
         filter: FilterKind::Complementary,
+        calibrated: false,
     }
 }
 

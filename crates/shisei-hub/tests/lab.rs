@@ -2,15 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use shisei_core::estimator::{Estimator, Settings as EstimatorSettings};
-use shisei_core::filter::{Complementary, DEFAULT_ALPHA, Filter};
-use shisei_core::{Quaternion, STANDARD_GRAVITY_M_S2, initial, vector};
 use shisei_hub::{Item, Sample, Session};
 use shisei_twin::lab::{Lab, Outage, Settings};
-use shisei_twin::simulate::Errors;
-use shisei_twin::{Calibration, Correction};
 use shisei_wire::message::EventCode;
-use shisei_wire::packet::Start;
 
 /// What a session told over a laboratory's time; the PC reads every 5 ms.
 fn run(lab: &mut Lab, duration_s: f64) -> (Vec<Item>, Vec<u8>) {
@@ -185,95 +179,4 @@ fn garbage_on_the_line_costs_what_it_hits() {
     assert!(median_and_max(&errors).1 <= 200.0);
     let (kept, all) = (samples(&items).count(), samples(&clean).count());
     assert!(kept < all && kept as f64 > 0.6 * all as f64, "{kept} of {all}");
-}
-
-/// Inclination and heading errors, degrees.
-fn errors_deg(estimate: Quaternion, truth: Quaternion) -> (f64, f64) {
-    let error = estimate.product(truth.conjugate()).normalized();
-    let up = error.rotate([0.0, 0.0, 1.0]);
-    let heading = 2.0 * shisei_core::math::atan2(error.to_array()[3], error.to_array()[0]);
-    (shisei_core::math::acos(up[2].clamp(-1.0, 1.0)).to_degrees(), heading.to_degrees())
-}
-
-/// A sensor after a six-face calibration: what is left of its errors. The node's own start finds the gyro bias.
-fn calibrated() -> Errors {
-    let matrix = |s: f64| [[1.0 + s, 0.001, -0.001], [-0.001, 1.0 - s, 0.001], [0.001, -0.001, 1.0 + s]];
-    Errors::Given(Calibration {
-        accelerometer: Correction { bias: [0.02, -0.03, 0.025], matrix: matrix(0.001) },
-        gyroscope: Correction { bias: [0.02, -0.01, 0.015], matrix: matrix(0.002) },
-    })
-}
-
-/// Root mean square inclination error, degrees, and heading drift, degrees a minute.
-struct Attitudes {
-    estimator: (f64, f64),
-    complementary: (f64, f64),
-}
-
-fn five_minutes(errors: Errors, movement_s: f64) -> Attitudes {
-    let settings = Settings { nodes: 1, movement_s, errors, ..Settings::default() };
-    let mut lab = Lab::new(settings);
-    let (items, _) = run(&mut lab, 305.0);
-    let all: Vec<&Sample> = samples(&items).collect();
-    let mut estimator = Estimator::new(&EstimatorSettings::default()).expect("the defaults");
-    let (mut bias, mut acc, mut count) = ([0.0; 3], [0.0; 3], 0.0);
-    for sample in all.iter().filter(|sample| sample.start == Start::Running) {
-        bias = vector::add(bias, sample.gyro_rad_s);
-        acc = vector::add(acc, sample.acc_m_s2);
-        count += 1.0;
-    }
-    let bias = vector::scale(bias, 1.0 / count);
-    let start = initial::from_mean_acceleration(acc).expect("gravity");
-    let mut simple = Complementary::new(start, DEFAULT_ALPHA, STANDARD_GRAVITY_M_S2).expect("the defaults");
-    let mut heading_start = None;
-    let (mut squares, mut simple_squares, mut n) = (0.0, 0.0, 0.0);
-    let (mut heading, mut simple_heading) = (0.0, 0.0);
-    let mut previous_s = all[0].time_s.expect("a time") - 1.0 / 120.0;
-    for sample in &all {
-        let time_s = sample.time_s.expect("a time");
-        let dt_s = time_s - previous_s;
-        previous_s = time_s;
-        let rate = vector::sub(sample.gyro_rad_s, bias);
-        let estimate = Filter::update(&mut estimator, rate, sample.acc_m_s2, dt_s);
-        let by_simple = simple.update(rate, sample.acc_m_s2, dt_s);
-        let truth_s = lab.true_time_s(0, sample.boot, sample.stamp_us, time_s).expect("its boot");
-        // The sensor's reading stands for the interval before it: half of it late.
-        let truth = lab.attitude(0, truth_s).expect("a node");
-        if truth_s < 5.0 {
-            continue;
-        }
-        let (tilt, turn) = errors_deg(estimate, truth);
-        let (simple_tilt, simple_turn) = errors_deg(by_simple, truth);
-        let (turn_0, simple_0) = *heading_start.get_or_insert((turn, simple_turn));
-        squares += tilt * tilt;
-        simple_squares += simple_tilt * simple_tilt;
-        n += 1.0;
-        let near = |x: f64| x - 360.0 * shisei_core::math::round(x / 360.0);
-        (heading, simple_heading) = (near(turn - turn_0), near(simple_turn - simple_0));
-    }
-    let rms = |sum: f64| shisei_core::math::sqrt(sum / n);
-    Attitudes {
-        estimator: (rms(squares), heading / 5.0),
-        complementary: (rms(simple_squares), simple_heading / 5.0),
-    }
-}
-
-#[test]
-fn attitude_over_five_minutes_of_handling() {
-    // Moved for twenty seconds, laid down for six, again and again; and moved without any rest.
-    let calibrated_sensor = calibrated();
-    let calibrated = five_minutes(calibrated_sensor, 26.0);
-    for (which, found) in [
-        ("calibrated", &calibrated),
-        ("calibrated, without rests", &five_minutes(calibrated_sensor, 306.0)),
-        ("as delivered", &five_minutes(Errors::Drawn, 26.0)),
-    ] {
-        println!(
-            "five minutes, {which}: inclination {:.2}° (complementary {:.2}°), heading {:.2}°/min ({:.2}°/min)",
-            found.estimator.0, found.complementary.0, found.estimator.1, found.complementary.1
-        );
-    }
-    assert!(calibrated.estimator.0 <= 1.0, "{}", calibrated.estimator.0);
-    assert!(calibrated.estimator.1.abs() <= 2.0, "{}", calibrated.estimator.1);
-    assert!(calibrated.estimator.0 < calibrated.complementary.0);
 }

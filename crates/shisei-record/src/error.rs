@@ -90,6 +90,8 @@ pub enum Problem {
         /// Their names.
         names: Vec<String>,
     },
+    /// A recording of messages has none of a motion sensor.
+    NoSamples,
     /// The chosen sensor is not there.
     NoSuchSensor {
         /// What was asked for.

@@ -90,6 +90,11 @@ pub(crate) fn english(problem: &Problem) -> String {
             "there is more than one sensor in the file: {}; choose one with --sensor NAME",
             list(names)
         ),
+        Problem::NoSamples => {
+            "this recording holds no readings of a motion sensor (sensor_msgs/msg/Imu): nothing \
+                               readable came from the receiver while it was made, or it is of other things"
+                .into()
+        }
         Problem::NoSuchSensor { asked, names } => format!(
             "there is no sensor \"{}\"; the file has: {}; choose one of them with --sensor",
             shorten(asked),
@@ -216,6 +221,11 @@ pub(crate) fn japanese(problem: &Problem) -> String {
         }
         Problem::ManySensors { names } => {
             format!("ファイルに複数のセンサがあります: {}。--sensor 名前 で 1 つ選んでください", list(names))
+        }
+        Problem::NoSamples => {
+            "この記録にはモーションセンサの値 (sensor_msgs/msg/Imu) がありません。記録中にレシーバから読める\
+                               データが届かなかったか、別の種類の記録です"
+                .into()
         }
         Problem::NoSuchSensor { asked, names } => format!(
             "センサ「{}」はありません。ファイルにあるのは {} です。--sensor でこの中から選んでください",

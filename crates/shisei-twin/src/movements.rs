@@ -93,6 +93,41 @@ pub fn random_poses(random: &mut Random, count: usize, rest_s: f64, turn_s: f64)
     Path::through(&attitudes, rest_s, turn_s)
 }
 
+/// Rest of [`calibration_poses`], s.
+const POSE_REST_S: f64 = 4.0;
+/// Turn of [`calibration_poses`], s.
+const POSE_TURN_S: f64 = 2.0;
+
+/// What somebody does who calibrates a sensor: six faces, each up to 3° off, then twelve poses every which way, each
+/// rested for 4 s with turns of 2 s between, and back to where it began: 112 s.
+pub fn calibration_poses(seed: u64) -> Path {
+    let mut random = Random::new(seed, 0x706f_7365);
+    let faces = [
+        [0.0, 0.0, 1.0],
+        [0.0, 1.0, 0.0],
+        [0.0, 0.0, -1.0],
+        [0.0, -1.0, 0.0],
+        [-1.0, 0.0, 0.0],
+        [1.0, 0.0, 0.0],
+    ];
+    let tilts_rad = random_tilts(&mut random, 3.0 * DEG);
+    let mut attitudes: Vec<Quaternion> = faces
+        .iter()
+        .zip(tilts_rad)
+        .map(|(up, tilt_rad)| {
+            // another axis, in the same order: never parallel
+            let forward = [up[1], up[2], up[0]];
+            facing(*up, forward).product(Quaternion::from_rotation_vector(tilt_rad))
+        })
+        .collect();
+    attitudes.extend((0..12).map(|_| {
+        let [w, x, y, z] = [(); 4].map(|()| random.normal());
+        Quaternion::new(w, x, y, z).normalized()
+    }));
+    attitudes.extend(attitudes.first().copied());
+    Path::through(&attitudes, POSE_REST_S, POSE_TURN_S)
+}
+
 /// Still for `rest_s`, then moving freely in all directions for `move_s`, then still for `rest_s`: turns of up
 /// to about ±1.5 rad and translations of a few decimetres, sums of sinusoids of 0.1 to 1 Hz that fade in and
 /// out within 1 s.

@@ -92,43 +92,55 @@ impl Sensor {
         }
     }
 
-    /// LSM6DS3TR-C, the sensor of the XIAO nRF52840 Sense, at ±16 g, ±2000 °/s: counts, noise and zero levels
-    /// as its data sheet states them as typical; scales, misalignment and random walks are assumed.
+    /// LSM6DS3TR-C, the sensor of the XIAO nRF52840 Sense, at ±16 g, ±2000 °/s. "Table 3" is that of its data sheet
+    /// (DocID030071 Rev 3, pages 21–22), typical values; what it does not state is assumed.
     pub fn lsm6ds3tr_c() -> Self {
         Sensor {
             name: "LSM6DS3TR-C",
             accelerometer: Triad {
                 full_scale: 16.0 * STANDARD_GRAVITY_M_S2,
+                // Table 3, LA_So: 0.488 mg a count at ±16 g.
                 count: 0.488 * MILLI_G,
+                // Table 3, An: 130 µg/√Hz at ±16 g, high-performance mode.
                 noise_density: 130.0 * MICRO_G,
+                // Assumed.
                 bias_walk: 1e-4,
+                // Table 3, LA_TyOff: ±40 mg, taken as a deviation.
                 bias_sigma: 40.0 * MILLI_G,
+                // Assumed: 1 % of scale, 0.3° between axes.
                 scale_sigma: 0.01,
                 misalignment_sigma: 0.005,
             },
             gyroscope: Triad {
                 full_scale: 2000.0 * DEG,
+                // Table 3, G_So: 70 m°/s a count at ±2000 °/s.
                 count: 0.07 * DEG,
+                // Table 3, Rn: 5 m°/s/√Hz, high-performance mode.
                 noise_density: 0.005 * DEG,
+                // Assumed. Table 3 has the change with temperature only, 0.05 °/s/°C.
                 bias_walk: 2e-5,
+                // Table 3, G_TyOff: ±3 °/s, taken as a deviation.
                 bias_sigma: 3.0 * DEG,
+                // Assumed, as above.
                 scale_sigma: 0.01,
                 misalignment_sigma: 0.005,
             },
         }
     }
 
-    /// Sony's multi-IMU add-on board CXD5602PWBIMU at ±2 g, ±125 °/s: noise 14 µg/√Hz and 1.0 m°/s/√Hz and bias
-    /// instability 4.4 µg and 0.39 °/h as its maker states them, the instability taken as a walk a minute long;
-    /// deviations from part to part are assumed. It sends 32-bit floats, finer than its noise: no counts.
+    /// Sony's multi-IMU add-on board CXD5602PWBIMU at ±2 g, ±125 °/s. "Sony" are the figures with which its maker
+    /// announced it; deviations from part to part are assumed. It sends 32-bit floats, finer than its noise: no counts.
     pub fn spresense() -> Self {
         Sensor {
             name: "CXD5602PWBIMU",
             accelerometer: Triad {
                 full_scale: 2.0 * STANDARD_GRAVITY_M_S2,
                 count: 0.0,
+                // Sony: 14 µg/√Hz.
                 noise_density: 14.0 * MICRO_G,
+                // Sony: bias instability 4.4 µg, taken as a walk a minute long.
                 bias_walk: 4.4 * MICRO_G / SQRT_MINUTE,
+                // Assumed, all three.
                 bias_sigma: 5.0 * MILLI_G,
                 scale_sigma: 0.003,
                 misalignment_sigma: 0.002,
@@ -136,8 +148,11 @@ impl Sensor {
             gyroscope: Triad {
                 full_scale: 125.0 * DEG,
                 count: 0.0,
+                // Sony: 1.0 m°/s/√Hz.
                 noise_density: 0.001 * DEG,
+                // Sony: bias instability 0.39 °/h, taken as a walk a minute long.
                 bias_walk: 0.39 * DEG / 3600.0 / SQRT_MINUTE,
+                // Assumed, all three.
                 bias_sigma: 0.1 * DEG,
                 scale_sigma: 0.003,
                 misalignment_sigma: 0.002,

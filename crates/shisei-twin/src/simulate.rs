@@ -106,7 +106,7 @@ impl Simulation {
 
 /// Samples a movement from time 0 to its duration, both included.
 pub fn simulate(motion: &dyn Motion, sensor: &Sensor, settings: &Settings) -> Simulation {
-    let calibration = calibration(sensor, settings);
+    let calibration = part(sensor, settings);
     let mut clock = Random::new(settings.seed, STREAM_CLOCK);
     let new_channel = |triad, correction, stream| Channel::new(triad, correction, settings, stream);
     let mut accelerometer =
@@ -144,7 +144,8 @@ pub fn simulate(motion: &dyn Motion, sensor: &Sensor, settings: &Settings) -> Si
     simulation
 }
 
-fn calibration(sensor: &Sensor, settings: &Settings) -> Calibration {
+/// The true calibration of the part that these settings' seed and errors give.
+pub fn part(sensor: &Sensor, settings: &Settings) -> Calibration {
     let mut random = Random::new(settings.seed, STREAM_ERRORS);
     let mut draw = |mut triad: Triad, aligned: bool| {
         if aligned {

@@ -13,8 +13,12 @@ pub const DATA: [u8; 16] = uuid(2);
 pub const CONTROL: [u8; 16] = uuid(3);
 /// Read: battery mV u16, temperature 0.01 °C i16, firmware version 3 bytes, boot id u16, then the name.
 pub const STATUS: [u8; 16] = uuid(4);
+/// Read: the calibration that the node keeps ([`crate::calibration`]); empty where it keeps none.
+pub const CALIBRATION: [u8; 16] = uuid(5);
 
 /// Longest name of a node, bytes of UTF-8; so much fits beside the service into advertisement and scan response.
 pub const NAME_MAX: usize = 20;
+/// Longest written command: its kind and a calibration.
+pub const COMMAND_MAX: usize = 1 + crate::calibration::CALIBRATION_BYTES;
 /// Longest notification: an ATT MTU of 247 less 3.
 pub const NOTIFICATION_MAX: usize = 244;

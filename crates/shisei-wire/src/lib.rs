@@ -3,6 +3,7 @@
 //! - [`packet`]: a node's Bluetooth notification, a header and up to ten samples;
 //! - [`message`]: what receiver and PC say to each other;
 //! - [`frame`]: how a message travels on the serial line, COBS with a CRC-16;
+//! - [`calibration`]: what a node corrects its readings with before its filter;
 //! - [`range`]: full-scale ranges and what a count is worth;
 //! - [`gatt`]: the identifiers of the Bluetooth service.
 //!
@@ -12,12 +13,14 @@
 #![warn(missing_docs)]
 
 mod bytes;
+pub mod calibration;
 pub mod frame;
 pub mod gatt;
 pub mod message;
 pub mod packet;
 pub mod range;
 
+pub use calibration::Calibration;
 pub use frame::{Deframer, encode_frame};
 pub use message::Message;
 pub use packet::{Header, Packet, Sample};

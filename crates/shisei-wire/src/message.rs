@@ -1,6 +1,7 @@
 //! Messages between receiver and PC. Byte 0 is the version, byte 1 the kind; the fields follow.
 
 use crate::bytes::{Put, Take};
+use crate::calibration::Calibration;
 use crate::gatt::{NAME_MAX, NOTIFICATION_MAX};
 use crate::{Error, Result, VERSION};
 
@@ -24,6 +25,8 @@ pub enum Message<'a> {
     Event(Event),
     /// Kind 5, receiver → PC: a node's name and state, when connected and every ten seconds.
     Node(Node<'a>),
+    /// Kind 6, receiver → PC: the calibration that a node keeps: after kind 5, and when it changed.
+    Calibration(NodeCalibration),
     /// Kinds 129 …, PC → receiver.
     Command(Command<'a>),
 }
@@ -158,6 +161,15 @@ pub struct Node<'a> {
     pub name: &'a str,
 }
 
+/// 1 byte, then the calibration, or nothing where the node keeps none.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NodeCalibration {
+    /// The node's place in the receiver, from 0.
+    pub node: u8,
+    /// What it keeps.
+    pub calibration: Option<Calibration>,
+}
+
 /// A node's settings: 4 bytes: filter u8, samples a packet u8, gyroscope range u8, accelerometer range u8.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Settings {
@@ -172,7 +184,7 @@ pub struct Settings {
 }
 
 /// What the PC can ask for. A node is a place in the receiver, [`NO_NODE`] all of them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Command<'a> {
     /// 129: say [`Hello`] and all nodes. No fields.
     Ask,
@@ -184,6 +196,8 @@ pub enum Command<'a> {
     Rename(u8, &'a str),
     /// 133: take these settings. Node, then [`Settings`].
     Configure(u8, Settings),
+    /// 134: keep this calibration; none: forget the one that is kept. Node, then [`Calibration`] or nothing.
+    Keep(u8, Option<Calibration>),
 }
 
 impl Command<'_> {
@@ -195,6 +209,7 @@ impl Command<'_> {
             Command::Calibrate(_) => 131,
             Command::Rename(..) => 132,
             Command::Configure(..) => 133,
+            Command::Keep(..) => 134,
         }
     }
 
@@ -205,12 +220,27 @@ impl Command<'_> {
             Command::Identify(node)
             | Command::Calibrate(node)
             | Command::Rename(node, _)
-            | Command::Configure(node, _) => node,
+            | Command::Configure(node, _)
+            | Command::Keep(node, _) => node,
         }
     }
 }
 
+impl<'a> Command<'a> {
+    /// A command as a node is written it ([`crate::gatt::CONTROL`]): kind and fields, without version and node.
+    /// Refused as by [`Message::decode`].
+    pub fn decode_for_node(bytes: &'a [u8]) -> Result<Self> {
+        let (kind, fields) = bytes.split_first().ok_or(Error::Length)?;
+        let mut take = Take(fields);
+        let command = take_command(*kind, NO_NODE, &mut take)?;
+        take.end()?;
+        Ok(command)
+    }
+}
+
 const TEMPERATURE_UNKNOWN: i16 = i16::MIN;
+/// Kinds of commands that name a node.
+const FOR_NODES: core::ops::RangeInclusive<u8> = 130..=134;
 
 impl<'a> Message<'a> {
     /// Writes a message; returns its length. Refused: a buffer too short, a name, packet or batch too long.
@@ -261,6 +291,11 @@ impl<'a> Message<'a> {
                 put.i16(node.temperature_centi_c.unwrap_or(TEMPERATURE_UNKNOWN))?;
                 put.bytes(&node.firmware)?;
                 put_name(&mut put, node.name)?;
+            }
+            Message::Calibration(kept) => {
+                put.u8(6)?;
+                put.u8(kept.node)?;
+                put_calibration(&mut put, kept.calibration.as_ref())?;
             }
             Message::Command(command) => {
                 put.u8(command.kind())?;
@@ -321,7 +356,14 @@ impl<'a> Message<'a> {
                     name: take_name(&mut take)?,
                 })
             }
-            kind => Message::Command(take_command(kind, &mut take)?),
+            6 => {
+                let node = take.u8()?;
+                Message::Calibration(NodeCalibration { node, calibration: take_calibration(&mut take)? })
+            }
+            kind => {
+                let node = if FOR_NODES.contains(&kind) { take.u8()? } else { NO_NODE };
+                Message::Command(take_command(kind, node, &mut take)?)
+            }
         };
         take.end()?;
         Ok(message)
@@ -346,17 +388,20 @@ fn put_command(put: &mut Put<'_>, command: &Command<'_>) -> Result<()> {
             put.u8(settings.gyro_range as u8)?;
             put.u8(settings.acc_range as u8)
         }
+        Command::Keep(node, ref calibration) => {
+            put.u8(node)?;
+            put_calibration(put, calibration.as_ref())
+        }
     }
 }
 
-fn take_command<'a>(kind: u8, take: &mut Take<'a>) -> Result<Command<'a>> {
+fn take_command<'a>(kind: u8, node: u8, take: &mut Take<'a>) -> Result<Command<'a>> {
     Ok(match kind {
         129 => Command::Ask,
-        130 => Command::Identify(take.u8()?),
-        131 => Command::Calibrate(take.u8()?),
-        132 => Command::Rename(take.u8()?, take_name(take)?),
+        130 => Command::Identify(node),
+        131 => Command::Calibrate(node),
+        132 => Command::Rename(node, take_name(take)?),
         133 => {
-            let node = take.u8()?;
             let filter = match take.u8()? {
                 0 => crate::packet::FilterKind::Complementary,
                 1 => crate::packet::FilterKind::Estimator,
@@ -370,8 +415,23 @@ fn take_command<'a>(kind: u8, take: &mut Take<'a>) -> Result<Command<'a>> {
             let acc_range = crate::AccRange::from_code(take.u8()?).ok_or(Error::Value)?;
             Command::Configure(node, Settings { filter, batch, gyro_range, acc_range })
         }
+        134 => Command::Keep(node, take_calibration(take)?),
         other => return Err(Error::Kind(other)),
     })
+}
+
+fn put_calibration(put: &mut Put<'_>, calibration: Option<&Calibration>) -> Result<()> {
+    match calibration {
+        Some(calibration) => put.bytes(&calibration.encode()?),
+        None => Ok(()),
+    }
+}
+
+fn take_calibration(take: &mut Take<'_>) -> Result<Option<Calibration>> {
+    match core::mem::take(&mut take.0) {
+        [] => Ok(None),
+        bytes => Calibration::decode(bytes).map(Some),
+    }
 }
 
 fn put_name(put: &mut Put<'_>, name: &str) -> Result<()> {

@@ -58,7 +58,8 @@ pub enum Start {
 ///
 /// Bit 0: the anchor is valid. Bit 1: sampled before the present connection. Bit 2: the battery is low. Bits 3–5:
 /// gyroscope range. Bits 6–7: accelerometer range. Bits 8–9: filter. Bits 10–11: start. Bit 12: a sensor reading
-/// was missed. Bits 13–15: 0; readers ignore them.
+/// was missed. Bit 13: the quaternions are of readings corrected by a kept calibration (counts never are). Bits
+/// 14–15: 0; readers ignore them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Flags {
     /// Sampled before the present connection was there.
@@ -75,6 +76,8 @@ pub struct Flags {
     pub start: Start,
     /// A sensor reading was missed within these samples.
     pub reading_missed: bool,
+    /// The filter got readings that a kept calibration corrected; the counts are as the sensor gave them.
+    pub calibrated: bool,
 }
 
 impl Flags {
@@ -87,6 +90,7 @@ impl Flags {
             | (self.filter as u16) << 8
             | (self.start as u16) << 10
             | u16::from(self.reading_missed) << 12
+            | u16::from(self.calibrated) << 13
     }
 
     fn from_bits(bits: u16) -> Result<Self> {
@@ -108,6 +112,7 @@ impl Flags {
                 _ => Start::Moved,
             },
             reading_missed: field(12, 1) == 1,
+            calibrated: field(13, 1) == 1,
         })
     }
 }

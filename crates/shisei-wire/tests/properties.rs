@@ -1,13 +1,16 @@
 //! Whatever is written comes back; whatever comes in does not panic.
 
 use proptest::prelude::*;
+use shisei_wire::calibration::{CALIBRATION_BYTES, Calibration, Correction};
 use shisei_wire::frame::FRAME_MAX;
-use shisei_wire::message::{Command, Data, Event, EventCode, Hello, MESSAGE_MAX, Node, Pulse, Settings};
+use shisei_wire::message::{
+    Command, Data, Event, EventCode, Hello, MESSAGE_MAX, Node, NodeCalibration, Pulse, Settings,
+};
 use shisei_wire::packet::{self, Anchor, FilterKind, Flags, PACKET_MAX, Start};
 use shisei_wire::{AccRange, Deframer, GyroRange, Header, Message, Packet, Sample, encode_frame};
 
 fn flags() -> impl Strategy<Value = Flags> {
-    (any::<[bool; 4]>(), 0..5_u8, 0..4_u8, 0..4_usize).prop_map(|(bits, gyro, acc, start)| Flags {
+    (any::<[bool; 5]>(), 0..5_u8, 0..4_u8, 0..4_usize).prop_map(|(bits, gyro, acc, start)| Flags {
         late: bits[0],
         battery_low: bits[1],
         gyro_range: GyroRange::from_code(gyro).unwrap(),
@@ -15,6 +18,7 @@ fn flags() -> impl Strategy<Value = Flags> {
         filter: if bits[2] { FilterKind::Estimator } else { FilterKind::Complementary },
         start: [Start::Running, Start::Done, Start::Skipped, Start::Moved][start],
         reading_missed: bits[3],
+        calibrated: bits[4],
     })
 }
 
@@ -39,6 +43,18 @@ fn sample() -> impl Strategy<Value = Sample> {
         acc,
         quaternion,
     })
+}
+
+fn calibration() -> impl Strategy<Value = Calibration> {
+    let correction = |bias_max: f32| {
+        let matrix = proptest::array::uniform3(proptest::array::uniform3(-0.2_f32..0.2));
+        (proptest::array::uniform3(-bias_max..bias_max), matrix).prop_map(|(bias, mut matrix)| {
+            (0..3).for_each(|axis| matrix[axis][axis] += 1.0);
+            Correction { bias, matrix }
+        })
+    };
+    (correction(5.0), correction(0.5))
+        .prop_map(|(accelerometer, gyroscope)| Calibration { accelerometer, gyroscope })
 }
 
 fn comes_back(message: &Message<'_>) {
@@ -75,6 +91,7 @@ proptest! {
         (node, a, b, code, address) in any::<(u8, bool, bool, u8, [u8; 6])>(),
         packet in proptest::collection::vec(any::<u8>(), 0..=244),
         name in "[a-zあ-ん]{0,6}",
+        calibration in calibration(),
     ) {
         let firmware = [node, 1, 2];
         comes_back(&Message::Hello(Hello {
@@ -101,14 +118,32 @@ proptest! {
             Command::Calibrate(node),
             Command::Rename(node, &name),
             Command::Configure(node, settings),
+            Command::Keep(node, Some(calibration)),
+            Command::Keep(node, None),
         ] {
             comes_back(&Message::Command(command));
+            // as a node is written it: without version and node
+            let mut bytes = [0; MESSAGE_MAX];
+            let length = Message::Command(command).encode(&mut bytes).unwrap();
+            let fields = bytes[..length].get(3..).unwrap_or_default();
+            let written: Vec<u8> = bytes[1..2].iter().chain(fields).copied().collect();
+            prop_assert!(written.len() <= shisei_wire::gatt::COMMAND_MAX);
+            let read = Command::decode_for_node(&written).unwrap();
+            prop_assert_eq!((read.kind(), read.node()), (command.kind(), shisei_wire::message::NO_NODE));
+            if let (Command::Keep(_, read), Command::Keep(_, sent)) = (read, command) {
+                prop_assert_eq!(read, sent);
+            }
+        }
+        for calibration in [Some(calibration), None] {
+            comes_back(&Message::Calibration(NodeCalibration { node, calibration }));
         }
     }
 
     #[test]
     fn hostile_bytes_are_refused_and_nothing_else(bytes in proptest::collection::vec(any::<u8>(), 0..700)) {
         let _ = Message::decode(&bytes);
+        let _ = Command::decode_for_node(&bytes);
+        let _ = Calibration::decode(bytes.get(..CALIBRATION_BYTES).unwrap_or(&bytes));
         if let Ok(packet) = Packet::decode(&bytes) {
             prop_assert_eq!(packet.samples().count(), usize::from(packet.count()));
         }

@@ -10,7 +10,11 @@ use embassy_sync::channel::Channel;
 use embassy_time::{Duration, Timer};
 use heapless::Vec;
 use shisei_device::node::Node;
-use shisei_wire::gatt::{CONTROL, DATA, NAME_MAX, NOTIFICATION_MAX, SERVICE, STATUS};
+use shisei_wire::calibration::{CALIBRATION_BYTES, Calibration};
+use shisei_wire::gatt::{
+    CALIBRATION, COMMAND_MAX, CONTROL, DATA, NAME_MAX, NOTIFICATION_MAX, SERVICE, STATUS,
+};
+use shisei_wire::message::Command;
 use trouble_host::gap::GAP_SERVICE_ATTRIBUTE_COUNT;
 use trouble_host::prelude::*;
 
@@ -19,14 +23,13 @@ use crate::{Controller, Stopped};
 
 /// Packets that the radio has taken and not yet sent.
 const OUTGOING: usize = 4;
-/// Longest command.
-pub const COMMAND_MAX: usize = 32;
 /// Bytes of [`Node::status`]; the name follows.
 const STATUS_FIXED: usize = 9;
 /// Longest state.
 const STATUS_MAX: usize = STATUS_FIXED + NAME_MAX;
 
 type Status = Vec<u8, STATUS_MAX>;
+type Kept = Vec<u8, CALIBRATION_BYTES>;
 
 /// Between the radio and the node's board; what [`shisei_device::node::Board`] asks about the radio is answered here.
 pub struct Radio {
@@ -35,6 +38,9 @@ pub struct Radio {
     link_changed: Cell<Option<bool>>,
     anchor: Cell<Option<Anchor>>,
     status: RefCell<Status>,
+    kept: RefCell<Kept>,
+    /// What `kept` is the bytes of: they are made anew only where it changed.
+    calibration: Cell<Option<Calibration>>,
 }
 
 impl Default for Radio {
@@ -45,6 +51,8 @@ impl Default for Radio {
             link_changed: Cell::new(None),
             anchor: Cell::new(None),
             status: RefCell::new(Vec::new()),
+            kept: RefCell::new(Vec::new()),
+            calibration: Cell::new(None),
         }
     }
 }
@@ -72,13 +80,18 @@ impl Radio {
         Some(command.len())
     }
 
-    /// What is read from the state's characteristic from now on: state and name.
+    /// What is read from now on: state and name, and the calibration that is kept.
     pub fn set_status(&self, node: &Node) {
         let mut status = Status::new();
         // 9 + 20 bytes at most, which fit.
         let _ = status.extend_from_slice(&node.status());
         let _ = status.extend_from_slice(node.name().as_bytes());
         *self.status.borrow_mut() = status;
+        let calibration = node.calibration().copied();
+        if self.calibration.replace(calibration) != calibration {
+            let kept = calibration.and_then(|kept| kept.encode().ok());
+            *self.kept.borrow_mut() = kept.map(Kept::from).unwrap_or_default();
+        }
     }
 
     fn name(&self) -> Vec<u8, NAME_MAX> {
@@ -95,8 +108,8 @@ impl EventHandler for Radio {
     }
 }
 
-/// GAP's and GATT's own; the service, packets with their switch, commands, state.
-const ATTRIBUTES: usize = GAP_SERVICE_ATTRIBUTE_COUNT + 1 + 3 + 2 + 2;
+/// GAP's and GATT's own; the service, packets with their switch, commands, state, calibration.
+const ATTRIBUTES: usize = GAP_SERVICE_ATTRIBUTE_COUNT + 1 + 3 + 2 + 2 + 2;
 
 type Attributes<'a> = AttributeServer<'a, NoopRawMutex, DefaultPacketPool, ATTRIBUTES, 1>;
 
@@ -106,10 +119,18 @@ struct Server<'a> {
     data: Characteristic<Vec<u8, 1>>,
     control: Characteristic<Vec<u8, COMMAND_MAX>>,
     status: Characteristic<Status>,
+    kept: Characteristic<Kept>,
+}
+
+/// Where the values of the characteristics are.
+struct Values {
+    command: [u8; COMMAND_MAX],
+    status: [u8; STATUS_MAX],
+    kept: [u8; CALIBRATION_BYTES],
 }
 
 impl<'a> Server<'a> {
-    fn new(command: &'a mut [u8; COMMAND_MAX], status: &'a mut [u8; STATUS_MAX]) -> Result<Self, Stopped> {
+    fn new(Values { command, status, kept }: &'a mut Values) -> Result<Self, Stopped> {
         let mut table = AttributeTable::new();
         let gap = PeripheralConfig { name: "shisei", appearance: &appearance::sensor::GENERIC_SENSOR };
         GapConfig::Peripheral(gap).build(&mut table).map_err(|_| Stopped)?;
@@ -120,8 +141,9 @@ impl<'a> Server<'a> {
         let control = service.add_characteristic(Uuid::new_long(CONTROL), write, Vec::new(), command).build();
         let read = [CharacteristicProp::Read];
         let status = service.add_characteristic(Uuid::new_long(STATUS), read, Vec::new(), status).build();
+        let kept = service.add_characteristic(Uuid::new_long(CALIBRATION), read, Vec::new(), kept).build();
         service.build();
-        Ok(Server { attributes: AttributeServer::new(table), data, control, status })
+        Ok(Server { attributes: AttributeServer::new(table), data, control, status, kept })
     }
 }
 
@@ -143,8 +165,9 @@ where
     let mut runner = stack.runner();
     let work = async {
         stack.command(report_anchors).await.map_err(|_| Stopped)?;
-        let (mut command, mut status) = ([0; COMMAND_MAX], [0; STATUS_MAX]);
-        let server = Server::new(&mut command, &mut status)?;
+        let mut values =
+            Values { command: [0; COMMAND_MAX], status: [0; STATUS_MAX], kept: [0; CALIBRATION_BYTES] };
+        let server = Server::new(&mut values)?;
         let mut peripheral = stack.peripheral();
         loop {
             // A failure here is of the moment: a link that broke while it was made.
@@ -215,16 +238,28 @@ async fn serve<C: trouble_host::Controller>(
 }
 
 async fn answer(event: GattEvent<'_, '_, DefaultPacketPool>, server: &Server<'_>, radio: &Radio) {
-    let taken = match &event {
+    let refusal = match &event {
         GattEvent::Read(read) if read.handle() == server.status.handle => {
-            server.status.set(&server.attributes, &radio.status.borrow()).is_ok()
+            let set = server.status.set(&server.attributes, &radio.status.borrow());
+            set.err().map(|_| AttErrorCode::INSUFFICIENT_RESOURCES)
+        }
+        GattEvent::Read(read) if read.handle() == server.kept.handle => {
+            let set = server.kept.set(&server.attributes, &radio.kept.borrow());
+            set.err().map(|_| AttErrorCode::INSUFFICIENT_RESOURCES)
         }
         GattEvent::Write(write) if write.handle() == server.control.handle => write.with_data(|_, bytes| {
-            Vec::from_slice(bytes).is_ok_and(|command| radio.commands.try_send(command).is_ok())
+            if Command::decode_for_node(bytes).is_err() {
+                return Some(AttErrorCode::VALUE_NOT_ALLOWED);
+            }
+            let queued = Vec::from_slice(bytes).is_ok_and(|command| radio.commands.try_send(command).is_ok());
+            (!queued).then_some(AttErrorCode::INSUFFICIENT_RESOURCES)
         }),
-        _ => true,
+        _ => None,
     };
-    let reply = if taken { event.accept() } else { event.reject(AttErrorCode::INSUFFICIENT_RESOURCES) };
+    let reply = match refusal {
+        None => event.accept(),
+        Some(why) => event.reject(why),
+    };
     if let Ok(reply) = reply {
         reply.send().await;
     }

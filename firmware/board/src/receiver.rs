@@ -17,7 +17,8 @@ use embassy_sync::signal::Signal;
 use embassy_time::{Duration, Timer, with_timeout};
 use heapless::Vec;
 use shisei_device::receiver::{NODES_MAX, Receiver, ToNode};
-use shisei_wire::gatt::{CONTROL, DATA, NAME_MAX, SERVICE, STATUS};
+use shisei_wire::calibration::CALIBRATION_BYTES;
+use shisei_wire::gatt::{CALIBRATION, COMMAND_MAX, CONTROL, DATA, NAME_MAX, SERVICE, STATUS};
 use shisei_wire::message::NO_NODE;
 use trouble_host::advertise::AdStructure;
 use trouble_host::prelude::*;
@@ -35,6 +36,10 @@ const CONNECTING: Duration = Duration::from_secs(5);
 const DISCOVERY: Duration = Duration::from_secs(10);
 /// From one look at a node's state to the next.
 const STATUS_EVERY: Duration = Duration::from_secs(10);
+/// Kind of the command that changes the calibration that a node keeps.
+const KEEP: u8 = 134;
+/// From a command to the look at what it changed: a node looks at its commands every few milliseconds.
+const SETTLING: Duration = Duration::from_millis(100);
 /// Fixed bytes of a node's state; its name follows.
 const STATUS_FIXED: usize = 9;
 /// The link layer's reason where a node did not behave: ended by this side.
@@ -43,7 +48,7 @@ const REASON_OURS: u8 = 0x16;
 /// What asks for notifications.
 const NOTIFY: [u8; 2] = [1, 0];
 
-type Command = Vec<u8, 32>;
+type Command = Vec<u8, COMMAND_MAX>;
 
 /// A node that was heard: how its address is meant, and the address.
 type Heard = (AddrKind, [u8; 6]);
@@ -293,16 +298,20 @@ async fn talk<C: trouble_host::Controller, K: Clock, const OUT: usize>(
             client.characteristic_by_uuid(&service, &Uuid::new_long(CONTROL)).await.ok()?;
         let state: Characteristic<Vec<u8, 1>> =
             client.characteristic_by_uuid(&service, &Uuid::new_long(STATUS)).await.ok()?;
+        // Nodes before the first that keep calibrations do not have it.
+        let kept: Option<Characteristic<Vec<u8, 1>>> =
+            client.characteristic_by_uuid(&service, &Uuid::new_long(CALIBRATION)).await.ok();
         let length = client.read_characteristic(&state, &mut status).await.ok()?;
         // Listened to before it is asked for, so that the first packet is not missed.
         let packets = client.listen(&data).ok()?;
         commands.clear();
         tell(radio, place, status.get(..length)?);
         told.set(true);
+        read_back(client, radio, place, kept.as_ref()).await;
         client.write_handle(data.cccd_handle()?.handle(), &NOTIFY).await.ok()?;
-        Some((control, state, packets))
+        Some((control, state, kept, packets))
     };
-    let (control, state, mut packets) = with_timeout(DISCOVERY, discover).await.ok()??;
+    let (control, state, kept, mut packets) = with_timeout(DISCOVERY, discover).await.ok()??;
     settled.signal(());
     let pass_on = async {
         loop {
@@ -313,7 +322,14 @@ async fn talk<C: trouble_host::Controller, K: Clock, const OUT: usize>(
     let requests = async {
         loop {
             match select(commands.receive(), Timer::after(STATUS_EVERY)).await {
-                Either::First(command) => client.write_characteristic(&control, &command).await.ok()?,
+                Either::First(command) => {
+                    // What a node refuses is not done; a link that is gone is noticed elsewhere.
+                    let _ = client.write_characteristic(&control, &command).await;
+                    if command.first() == Some(&KEEP) {
+                        Timer::after(SETTLING).await;
+                        read_back(client, radio, place, kept.as_ref()).await;
+                    }
+                }
                 Either::Second(()) => {
                     let mut status = [0; STATUS_FIXED + NAME_MAX];
                     let length = client.read_characteristic(&state, &mut status).await.ok()?;
@@ -326,6 +342,23 @@ async fn talk<C: trouble_host::Controller, K: Clock, const OUT: usize>(
     match select(pass_on, requests).await {
         Either::First(()) => None,
         Either::Second(ended) => ended,
+    }
+}
+
+/// Reads the calibration that a node keeps, and passes it on.
+async fn read_back<C: trouble_host::Controller, K: Clock, const OUT: usize>(
+    client: &GattClient<'_, C, DefaultPacketPool, 4>,
+    radio: &Radio<'_, K, OUT>,
+    place: usize,
+    kept: Option<&Characteristic<Vec<u8, 1>>>,
+) {
+    let mut bytes = [0; CALIBRATION_BYTES];
+    let length = match kept {
+        Some(kept) => client.read_characteristic(kept, &mut bytes).await.ok(),
+        None => Some(0),
+    };
+    if let Some(read) = length.and_then(|length| bytes.get(..length)) {
+        radio.receiver.borrow_mut().calibration(place, read);
     }
 }
 

@@ -39,10 +39,10 @@ impl Count {
     }
 }
 
-fn report(name: &str, kind: FilterKind) {
+fn report(name: &str, kind: FilterKind, calibrated: bool) {
     let (mut filter, mut whole) = (Count::default(), Count::default());
     core::hint::black_box(work::filter(kind, |reading, before| filter.look(reading, before)));
-    let (hash, samples) = work::run(kind, |reading, before| whole.look(reading, before));
+    let (hash, samples) = work::run(kind, calibrated, |reading, before| whole.look(reading, before));
     let mean = filter.sum / filter.times.max(1);
     hprintln!(
         "{} {:016x} {} samples, filter mean {} worst {} whole {}",
@@ -64,8 +64,9 @@ fn main() -> ! {
         timer.clear_current();
         timer.enable_counter();
     }
-    report("complementary", FilterKind::Complementary);
-    report("estimator", FilterKind::Estimator);
+    for (name, kind, calibrated) in work::CASES {
+        report(name, kind, calibrated);
+    }
     debug::exit(debug::EXIT_SUCCESS);
     loop {
         cortex_m::asm::wfi();

@@ -2,6 +2,7 @@
 //! packets are taken as they come.
 
 use shisei_device::node::{Attitude, Node, Rates, Reading, Ticker};
+use shisei_wire::calibration::{Calibration, Correction};
 use shisei_wire::message::{Command, NO_NODE, Settings};
 use shisei_wire::packet::{FilterKind, PACKET_MAX};
 use shisei_wire::{AccRange, GyroRange};
@@ -34,12 +35,31 @@ fn reading(random: &mut Random, k: u64) -> Reading {
     Reading { time_us: (k + 1) * INTERVAL_US, gyro, acc, temperature_centi_c: Some(2_500) }
 }
 
+/// What runs: name, filter, and whether the node keeps a calibration.
+pub const CASES: [(&str, FilterKind, bool); 3] = [
+    ("complementary", FilterKind::Complementary, false),
+    ("estimator", FilterKind::Estimator, false),
+    ("calibrated", FilterKind::Estimator, true),
+];
+
+/// A calibration with nothing in it that is 0 or 1.
+fn calibration() -> Calibration {
+    let half = |bias: f32| Correction {
+        bias: [bias, -0.5 * bias, 0.75 * bias],
+        matrix: [[1.01, 0.002, -0.003], [0.001, 0.99, 0.004], [-0.002, 0.005, 1.003]],
+    };
+    Calibration { accelerometer: half(0.3), gyroscope: half(0.02) }
+}
+
 /// Runs a node with a filter; returns FNV-1a over all packets, and how many samples they had. `look` is called before
 /// (true) and after each reading with its number.
-pub fn run(filter: FilterKind, mut look: impl FnMut(u64, bool)) -> (u64, u64) {
+pub fn run(filter: FilterKind, calibrated: bool, mut look: impl FnMut(u64, bool)) -> (u64, u64) {
     let mut node = Node::new(4711, "node");
     let settings = Settings { filter, batch: 4, ..Settings::default() };
     node.command(&Command::Configure(NO_NODE, settings), 0);
+    if calibrated {
+        node.keep(Some(calibration()));
+    }
     node.link(true, 0);
     let mut random = Random(7);
     let (mut hash, mut count) = (0xcbf2_9ce4_8422_2325_u64, 0);
@@ -63,7 +83,7 @@ pub fn run(filter: FilterKind, mut look: impl FnMut(u64, bool)) -> (u64, u64) {
 /// The same readings through ticks and the filter alone; `look` is called before and after each update of the filter
 /// with the number of its reading.
 pub fn filter(kind: FilterKind, mut look: impl FnMut(u64, bool)) -> shisei_core::Quaternion {
-    let mut attitude = Attitude::begin(kind, shisei_core::Quaternion::IDENTITY);
+    let mut attitude = Attitude::begin(kind, shisei_core::Quaternion::IDENTITY, None);
     let (mut ticker, mut random) = (Ticker::default(), Random(7));
     let mut world_from_body = shisei_core::Quaternion::IDENTITY;
     for k in 0..READINGS {

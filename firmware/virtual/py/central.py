@@ -4,12 +4,14 @@ usage: central.py BASE_US PORT OFFSET_US PPM     prints `ready`, then one JSON o
 """
 
 import asyncio
+import binascii
 import json
 import logging
 import struct
 import sys
 
 from bumble import hci
+from bumble.att import ATT_Error
 from bumble.core import UUID
 from bumble.device import Device, Peer
 from bumble.host import Host
@@ -44,7 +46,7 @@ async def main():
     device.host.set_packet_sink(own)
     await device.power_on()
     print("ready", flush=True)
-    kept = await listening
+    listened = await listening
     advertised = []
     device.on("advertisement", advertised.append)
     await device.start_scanning()
@@ -74,7 +76,30 @@ async def main():
     await asyncio.sleep(2)
     out["after"] = [read_packet(content) for content in packets]
     out["renamed"] = (await status.read_value()).hex()
-    del kept
+    # A calibration, written by hand after docs/en/wire.md; a damaged one, which is refused; what is kept; taken away.
+    kept = peer.get_characteristics_by_uuid(uuid(5))[0]
+    matrix = [1.0, 0.125, 0.0, 0.0, 0.875, 0.0, 0.0, 0.0, 1.125]
+    content = struct.pack("<B24f", 1, 0.25, -0.5, 1.0, *matrix, 0.0625, 0.0, -0.125, *matrix)
+    calibration = content + struct.pack("<H", binascii.crc_hqx(content, 0xFFFF))
+    out["kept"] = [(await kept.read_value()).hex()]
+    await control.write_value(bytes([134]) + calibration, with_response=True)
+    await asyncio.sleep(0.2)
+    out["kept"].append((await kept.read_value()).hex())
+    try:
+        await control.write_value(bytes([134]) + calibration[:-1] + b"?", with_response=True)
+        out["refused"] = None
+    except ATT_Error as error:
+        out["refused"] = int(error.error_code)
+    await asyncio.sleep(0.2)
+    out["kept"].append((await kept.read_value()).hex())
+    packets.clear()
+    await asyncio.sleep(0.5)
+    out["calibrated"] = [read_packet(content)["flags"] >> 13 for content in packets]
+    await control.write_value(bytes([134]), with_response=True)
+    await asyncio.sleep(0.2)
+    out["kept"].append((await kept.read_value()).hex())
+    out["calibration"] = calibration.hex()
+    del listened
     print(json.dumps(out), flush=True)
 
 

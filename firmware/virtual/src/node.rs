@@ -6,7 +6,7 @@ use std::time::Duration;
 use shisei_board::Clock;
 use shisei_board::node::Radio;
 use shisei_device::node::{Board, Node, Reading, step};
-use shisei_wire::{AccRange, GyroRange};
+use shisei_wire::{AccRange, Calibration, GyroRange};
 
 use crate::DeviceClock;
 use crate::controllers::{Controller, ReportAnchors};
@@ -84,6 +84,8 @@ impl Board for VirtualBoard<'_> {
     fn light(&mut self, _: bool) {}
 
     fn store_name(&mut self, _: &str) {}
+
+    fn store_calibration(&mut self, _: Option<&Calibration>) {}
 }
 
 impl VirtualNode {

@@ -4,7 +4,10 @@ use std::collections::BTreeMap;
 use std::time::Duration;
 
 use shisei_hub::{Item, Sample, Take};
-use shisei_wire::message::EventCode;
+use shisei_wire::calibration::{Calibration, Correction};
+use shisei_wire::frame::FRAME_MAX;
+use shisei_wire::message::{Command, EventCode, MESSAGE_MAX, NO_NODE};
+use shisei_wire::{Message, encode_frame};
 use virtual_firmware::{CAMERA_HZ, Controllers, Recorded, VirtualNode, listen};
 
 const NODES: usize = 6;
@@ -19,6 +22,7 @@ fn run(
     jitter_us: f64,
     duration_s: f64,
     reboot: Option<(usize, f64)>,
+    say: impl FnMut(f64, &[Item]) -> Vec<u8>,
 ) -> (Controllers, Recorded) {
     let controllers = Controllers::start(NODES, missed, jitter_us);
     let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build().unwrap();
@@ -44,7 +48,7 @@ fn run(
             });
         }
         let receiver = controllers.open(0).await;
-        listen(receiver, controllers.clocks[0], duration_s, |_, _| Vec::new()).await
+        listen(receiver, controllers.clocks[0], duration_s, say).await
     });
     for item in &recorded.items {
         if let Item::Event(event) = item {
@@ -106,12 +110,41 @@ fn frame_errors(controllers: &Controllers, boots: &BTreeMap<u16, Vec<Sample>>) -
     errors
 }
 
+fn calibration() -> Calibration {
+    let half = |bias: f32| Correction {
+        bias: [bias, 0.0, -bias],
+        matrix: [[1.0, 0.0625, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 0.9375]],
+    };
+    Calibration { accelerometer: half(0.5), gyroscope: half(0.03125) }
+}
+
+fn frame(message: &Message<'_>) -> Vec<u8> {
+    let (mut bytes, mut frame) = ([0; MESSAGE_MAX], [0; FRAME_MAX]);
+    let length = message.encode(&mut bytes).unwrap();
+    let framed = encode_frame(&bytes[..length], &mut frame).unwrap();
+    frame[..framed].to_vec()
+}
+
 #[test]
 fn six_nodes_lose_nothing() {
     let duration_s = seconds();
-    let (controllers, recorded) = run(0.02, 1.0, duration_s, None);
+    // In the middle all nodes are given a calibration to keep, which begins their start anew and loses nothing.
+    let given = calibration();
+    let mut command = Some(frame(&Message::Command(Command::Keep(NO_NODE, Some(given)))));
+    let (controllers, recorded) = run(0.02, 1.0, duration_s, None, |time_s, _| {
+        if time_s > 0.5 * duration_s { command.take().unwrap_or_default() } else { Vec::new() }
+    });
     let boots = by_boot(&recorded.items);
     assert_eq!((boots.len(), recorded.garbage), (NODES, 0));
+    for place in 0..NODES as u8 {
+        // as read back from the node
+        let told = |item: &Item| *item == Item::Calibration(place, Some(given));
+        assert!(recorded.items.iter().any(told), "{place}");
+    }
+    for samples in boots.values() {
+        let calibrated = samples.iter().position(|sample| sample.calibrated).expect("calibrated samples");
+        assert!(samples[calibrated..].iter().all(|sample| sample.calibrated));
+    }
     // Everyone is there within ten seconds.
     let expected = (120.0 * (duration_s - 10.0)) as usize;
     for (boot, samples) in &boots {
@@ -150,7 +183,7 @@ fn six_nodes_lose_nothing() {
 #[test]
 fn missed_events_and_a_restart_are_told_and_nothing_is_tagged_wrongly() {
     let duration_s = seconds();
-    let (controllers, recorded) = run(0.3, 16.0, duration_s, Some((2, duration_s * 0.5)));
+    let (controllers, recorded) = run(0.3, 16.0, duration_s, Some((2, duration_s * 0.5)), |_, _| Vec::new());
     let boots = by_boot(&recorded.items);
     assert_eq!((boots.len(), recorded.garbage), (NODES + 1, 0));
     assert!(boots.contains_key(&2002), "the second start was seen");

@@ -39,7 +39,7 @@ fn a_central_that_is_not_ours_uses_our_node() {
     let advertised = plain(&told["advertised"].to_string());
     assert!(advertised.contains("1F5233109E1C4E4DB12A5CCB61700001"), "{advertised}");
     assert_eq!(told["mtu"], 247);
-    for (number, properties) in [(2, 0x10), (3, 0x08), (4, 0x02)] {
+    for (number, properties) in [(2, 0x10), (3, 0x08), (4, 0x02), (5, 0x02)] {
         let characteristics = told["characteristics"].as_object().unwrap();
         let name = format!("1F5233109E1C4E4DB12A5CCB6170{number:04X}");
         let found = characteristics.iter().find(|(uuid, _)| plain(uuid).contains(&name));
@@ -52,6 +52,12 @@ fn a_central_that_is_not_ours_uses_our_node() {
     assert_eq!(told["renamed"], format!("930fd009{version}6712{}", hex("left-hand")));
     check(&told["before"], 4, 0);
     check(&told["after"], 8, 1);
+    // A calibration is kept as it was written; a damaged one is refused (value not allowed) and changes nothing.
+    let calibration = told["calibration"].as_str().unwrap();
+    assert_eq!(told["kept"], serde_json::json!(["", calibration, calibration, ""]));
+    assert_eq!(told["refused"], 0x13);
+    let calibrated = told["calibrated"].as_array().unwrap();
+    assert!(calibrated.len() > 3 && calibrated.iter().all(|flag| flag == 1), "{calibrated:?}");
 }
 
 /// Packets of `count` samples but for those that a new start cuts short; all with this filter, nothing missing, 120 Hz,

@@ -6,7 +6,7 @@ use embassy_nrf::gpio::{Level, Output};
 use shisei_board::Clock;
 use shisei_board::node::Radio;
 use shisei_device::node::{Board, Reading};
-use shisei_wire::{AccRange, GyroRange};
+use shisei_wire::{AccRange, Calibration, GyroRange};
 use shisei_xiao::BoardClock;
 
 use crate::sensor::Readings;
@@ -19,8 +19,8 @@ pub struct Xiao<'a> {
     pub battery_mv: &'a Cell<u16>,
     /// Lit when low.
     pub light: Output<'static>,
-    /// The name changed and is to be stored.
-    pub new_name: bool,
+    /// Name or calibration changed and are to be stored.
+    pub to_store: bool,
 }
 
 impl Board for Xiao<'_> {
@@ -62,6 +62,10 @@ impl Board for Xiao<'_> {
     }
 
     fn store_name(&mut self, _: &str) {
-        self.new_name = true;
+        self.to_store = true;
+    }
+
+    fn store_calibration(&mut self, _: Option<&Calibration>) {
+        self.to_store = true;
     }
 }

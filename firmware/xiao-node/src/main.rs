@@ -14,7 +14,6 @@ use embassy_futures::join::{join, join4};
 use embassy_futures::select::select;
 use embassy_nrf::gpio::{Level, Output, OutputDrive, Pull};
 use embassy_nrf::gpiote::{InputChannel, InputChannelPolarity};
-use embassy_nrf::mode::Async;
 use embassy_nrf::ppi::Ppi;
 use embassy_nrf::{bind_interrupts, peripherals, rng, saadc, twim};
 use embassy_time::Timer;
@@ -22,11 +21,14 @@ use nrf_mpsl::{self as mpsl, MultiprotocolServiceLayer, SessionMem};
 use nrf_sdc::vendor::NordicConnAnchorPointUpdateEventReportEnable as ReportAnchors;
 use shisei_board::node::Radio;
 use shisei_device::node::{Node, step};
-use shisei_xiao::{BoardClock, CC_EDGE, LOW_FREQUENCY_CLOCK, address, config};
+use shisei_xiao::{
+    BoardClock, CC_EDGE, LOW_FREQUENCY_CLOCK, address, boot_id, config, controller_parts, layer_parts,
+    radio_layer,
+};
 use static_cell::StaticCell;
 
 use board::Xiao;
-use memory::{Memory, Name, NewName};
+use memory::{Changed, Memory, Settings};
 use sensor::Readings;
 
 bind_interrupts!(struct Interrupts {
@@ -45,29 +47,15 @@ const CONTROLLER_BYTES: usize = 8_192;
 /// The logic is looked after at least this often, ms.
 const STEP_MS: u64 = 4;
 
-/// A fault starts the board anew; its new boot id tells.
-#[panic_handler]
-fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-    cortex_m::peripheral::SCB::sys_reset()
-}
-
-#[embassy_executor::task]
-async fn run_mpsl(mpsl: &'static MultiprotocolServiceLayer<'static>) -> ! {
-    mpsl.run().await
-}
-
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_nrf::init(config());
 
-    static MPSL: StaticCell<MultiprotocolServiceLayer> = StaticCell::new();
     static SESSIONS: StaticCell<SessionMem<1>> = StaticCell::new();
-    let parts = mpsl::Peripherals::new(p.RTC0, p.TIMER0, p.TEMP, p.PPI_CH19, p.PPI_CH30, p.PPI_CH31);
+    let parts = layer_parts!(p);
     let sessions = SESSIONS.init(SessionMem::new());
-    let mpsl = MultiprotocolServiceLayer::with_timeslots(parts, Interrupts, LOW_FREQUENCY_CLOCK, sessions);
-    let mpsl: &'static _ = MPSL.init(mpsl.expect("MPSL starts with these fixed settings"));
-    spawner.spawn(run_mpsl(mpsl).expect("it is spawned once"));
-    let _crystal = mpsl.request_hfclk().await.expect("the board has its crystal");
+    let layer = MultiprotocolServiceLayer::with_timeslots(parts, Interrupts, LOW_FREQUENCY_CLOCK, sessions);
+    let mpsl = radio_layer(spawner, layer).await;
 
     // Each data-ready edge is captured by hardware.
     let (clock, timer) = BoardClock::start(p.TIMER3);
@@ -81,15 +69,8 @@ async fn main(spawner: Spawner) {
     i2c_config.frequency = twim::Frequency::K400;
     let i2c = twim::Twim::new(p.TWISPI0, Interrupts, p.P0_07, p.P0_27, i2c_config, I2C_BUFFER.init([0; 16]));
 
-    static RNG: StaticCell<rng::Rng<'static, Async>> = StaticCell::new();
-    let rng = RNG.init(rng::Rng::new(p.RNG, Interrupts));
-    let mut boot = [0; 2];
-    rng.fill_bytes(&mut boot).await;
+    let (rng, boot) = boot_id(rng::Rng::new(p.RNG, Interrupts)).await;
     static CONTROLLER: StaticCell<nrf_sdc::Mem<CONTROLLER_BYTES>> = StaticCell::new();
-    let channels = nrf_sdc::Peripherals::new(
-        p.PPI_CH17, p.PPI_CH18, p.PPI_CH20, p.PPI_CH21, p.PPI_CH22, p.PPI_CH23, p.PPI_CH24, p.PPI_CH25,
-        p.PPI_CH26, p.PPI_CH27, p.PPI_CH28, p.PPI_CH29,
-    );
     let controller = (|| {
         nrf_sdc::Builder::new()?
             .support_adv()
@@ -99,15 +80,17 @@ async fn main(spawner: Spawner) {
             .support_phy_update_peripheral()
             .peripheral_count(1)?
             .buffer_cfg(251, 251, 4, 4)?
-            .build(channels, rng, mpsl, CONTROLLER.init(nrf_sdc::Mem::new()))
+            .build(controller_parts!(p), rng, mpsl, CONTROLLER.init(nrf_sdc::Mem::new()))
     })()
     .expect("the controller starts with these fixed settings");
 
     let mut memory = Memory::new(mpsl, p.NVMC);
-    let name = memory.name();
-    let new_name = NewName::new();
-    let keep = memory.keep(&new_name);
-    let node = RefCell::new(Node::new(u16::from_le_bytes(boot), name.as_str()));
+    let settings = memory.settings();
+    let changed = Changed::new();
+    let keep = memory.keep(&changed);
+    let mut node = Node::new(boot, settings.name.as_str());
+    node.keep(settings.calibration);
+    let node = RefCell::new(node);
     let (radio, readings) = (Radio::default(), Readings::default());
     radio.set_status(&node.borrow());
     let battery_mv = Cell::new(0);
@@ -121,15 +104,15 @@ async fn main(spawner: Spawner) {
             radio: &radio,
             battery_mv: &battery_mv,
             light,
-            new_name: false,
+            to_store: false,
         };
         loop {
             select(readings.wait(), Timer::after_millis(STEP_MS)).await;
             let mut node = node.borrow_mut();
             step(&mut node, &mut board);
             radio.set_status(&node);
-            if core::mem::take(&mut board.new_name) {
-                new_name.signal(Name::try_from(node.name()).unwrap_or_default());
+            if core::mem::take(&mut board.to_store) {
+                changed.signal(Settings::of(&node));
             }
         }
     };

@@ -13,7 +13,6 @@ use embassy_futures::select::select;
 use embassy_nrf::gpio::Pull;
 use embassy_nrf::gpiote::{InputChannel, InputChannelPolarity};
 use embassy_nrf::interrupt::{self, InterruptExt, Priority};
-use embassy_nrf::mode::Async;
 use embassy_nrf::ppi::Ppi;
 use embassy_nrf::timer::Timer as HardwareTimer;
 use embassy_nrf::usb::vbus_detect;
@@ -23,7 +22,10 @@ use nrf_sdc::vendor::NordicConnAnchorPointUpdateEventReportEnable as ReportAncho
 use shisei_board::Clock;
 use shisei_board::receiver::Radio;
 use shisei_device::receiver::{NODES_MAX, Receiver};
-use shisei_xiao::{BoardClock, CC_EDGE, LOW_FREQUENCY_CLOCK, address, config};
+use shisei_xiao::{
+    BoardClock, CC_EDGE, LOW_FREQUENCY_CLOCK, address, boot_id, config, controller_parts, layer_parts,
+    radio_layer,
+};
 use static_cell::StaticCell;
 
 bind_interrupts!(struct Interrupts {
@@ -41,28 +43,14 @@ const OUT: usize = 8_192;
 /// Memory of Nordic's controller for six links with packets of 251 bytes.
 const CONTROLLER_BYTES: usize = 24_576;
 
-/// A fault starts the board anew; its new boot id tells.
-#[panic_handler]
-fn panic(_: &core::panic::PanicInfo<'_>) -> ! {
-    cortex_m::peripheral::SCB::sys_reset()
-}
-
-#[embassy_executor::task]
-async fn run_mpsl(mpsl: &'static MultiprotocolServiceLayer<'static>) -> ! {
-    mpsl.run().await
-}
-
 #[embassy_executor::main]
 async fn main(spawner: Spawner) {
     let p = embassy_nrf::init(config());
     interrupt::USBD.set_priority(Priority::P2);
 
-    static MPSL: StaticCell<MultiprotocolServiceLayer> = StaticCell::new();
-    let parts = mpsl::Peripherals::new(p.RTC0, p.TIMER0, p.TEMP, p.PPI_CH19, p.PPI_CH30, p.PPI_CH31);
-    let mpsl = MultiprotocolServiceLayer::new(parts, Interrupts, LOW_FREQUENCY_CLOCK);
-    let mpsl: &'static _ = MPSL.init(mpsl.expect("MPSL starts with these fixed settings"));
-    spawner.spawn(run_mpsl(mpsl).expect("it is spawned once"));
-    let _crystal = mpsl.request_hfclk().await.expect("the board has its crystal");
+    let parts = layer_parts!(p);
+    let layer = MultiprotocolServiceLayer::new(parts, Interrupts, LOW_FREQUENCY_CLOCK);
+    let mpsl = radio_layer(spawner, layer).await;
 
     // One edge: its time into TIMER3, and one more in TIMER4; the processor has no part in it.
     let (clock, timer) = BoardClock::start(p.TIMER3);
@@ -74,15 +62,8 @@ async fn main(spawner: Spawner) {
     fork.enable();
     let gate = InputChannel::new(p.GPIOTE_CH1, p.P0_03, Pull::Down, InputChannelPolarity::Toggle);
 
-    static RNG: StaticCell<rng::Rng<'static, Async>> = StaticCell::new();
-    let rng = RNG.init(rng::Rng::new(p.RNG, Interrupts));
-    let mut boot = [0; 2];
-    rng.fill_bytes(&mut boot).await;
+    let (rng, boot) = boot_id(rng::Rng::new(p.RNG, Interrupts)).await;
     static CONTROLLER: StaticCell<nrf_sdc::Mem<CONTROLLER_BYTES>> = StaticCell::new();
-    let channels = nrf_sdc::Peripherals::new(
-        p.PPI_CH17, p.PPI_CH18, p.PPI_CH20, p.PPI_CH21, p.PPI_CH22, p.PPI_CH23, p.PPI_CH24, p.PPI_CH25,
-        p.PPI_CH26, p.PPI_CH27, p.PPI_CH28, p.PPI_CH29,
-    );
     let controller = (|| {
         nrf_sdc::Builder::new()?
             .support_scan()
@@ -92,12 +73,12 @@ async fn main(spawner: Spawner) {
             .support_phy_update_central()
             .central_count(NODES_MAX as u8)?
             .buffer_cfg(251, 251, 3, 4)?
-            .build(channels, rng, mpsl, CONTROLLER.init(nrf_sdc::Mem::new()))
+            .build(controller_parts!(p), rng, mpsl, CONTROLLER.init(nrf_sdc::Mem::new()))
     })()
     .expect("the controller starts with these fixed settings");
 
     static RECEIVER: StaticCell<RefCell<Receiver<OUT>>> = StaticCell::new();
-    let receiver = RECEIVER.init(RefCell::new(Receiver::new(u16::from_le_bytes(boot), clock.now_us())));
+    let receiver = RECEIVER.init(RefCell::new(Receiver::new(boot, clock.now_us())));
     let radio = Radio::new(receiver, &clock);
     let count = pulses::watch(sync, gate, &counter, &clock, receiver);
     let follow = clock.follow(&timer, p.RTC2, p.PPI_CH1);

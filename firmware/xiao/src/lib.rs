@@ -1,4 +1,4 @@
-//! What node and receiver share of the nRF52840.
+//! What node and receiver share of the nRF52840: how they start, and their clock.
 //!
 //! TIMER3 runs at 1 MHz from the crystal and is the board's clock. What has to be exact is captured into it by PPI,
 //! without the processor: CC0 for the board's own edge, CC2 for the controller's clock. [`BoardClock::follow`] keeps
@@ -6,6 +6,10 @@
 //! TIMER3.
 #![no_std]
 #![warn(missing_docs)]
+
+mod start;
+
+pub use start::{boot_id, radio_layer};
 
 use core::cell::Cell;
 use core::ptr::NonNull;

@@ -29,8 +29,7 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     let source = Source { paths: args.files.clone() };
     let stem = source.stem();
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.allan.csv")));
-    let report = (!args.no_report)
-        .then(|| args.report.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.allan.html"))));
+    let report = args.report.or(format!("{stem}.allan.html"));
     let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
     writer.check(&output, Kind::Table)?;
     if let Some(report) = &report {

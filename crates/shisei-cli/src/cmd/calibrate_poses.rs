@@ -37,8 +37,7 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
     let source = Source { paths: args.files.clone() };
     let stem = source.stem();
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.calibration.json")));
-    let report = (!args.no_report)
-        .then(|| args.report.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.calibration.html"))));
+    let report = args.report.or(format!("{stem}.calibration.html"));
     let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
     writer.check(&output, Kind::Calibration)?;
     if let Some(report) = &report {

@@ -1,19 +1,22 @@
 //! `shisei devices`: serial ports, receivers and their nodes, and commands to nodes.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
+use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 use shisei_core::Lang;
 use shisei_hub::session::NodeInfo;
-use shisei_hub::{Item, Session};
+use shisei_hub::{Item, Session, kept};
 use shisei_wire::frame::FRAME_MAX;
 use shisei_wire::message::{Command, EventCode, Hello, MESSAGE_MAX, NO_NODE, Settings};
 use shisei_wire::packet::FilterKind;
-use shisei_wire::{AccRange, GyroRange, Message, encode_frame};
+use shisei_wire::{AccRange, Calibration, GyroRange, Message, encode_frame};
 
 use super::ports::{Feed, Got, no_port};
 use crate::args_live::Devices;
+use crate::calibration;
 use crate::fail::{Failure, Outcome, say};
 
 /// How long a receiver may take to answer.
@@ -76,6 +79,8 @@ pub fn run(args: &Devices, lang: Lang) -> Outcome<()> {
 struct Answer {
     hello: Option<Hello>,
     nodes: Vec<NodeInfo>,
+    /// What nodes keep.
+    kept: BTreeMap<u8, Option<Calibration>>,
     refused: bool,
 }
 
@@ -90,6 +95,7 @@ impl Answer {
                     "node": node.node, "name": node.name, "address": node.address, "connected": node.connected,
                     "battery_mv": node.battery_mv, "firmware": version(node.firmware),
                     "temperature_c": node.temperature_centi_c.map(|t| f64::from(t) / 100.0),
+                    "calibration": self.kept_by(node.node).map(kept::json),
                 })
             })
             .collect();
@@ -97,6 +103,20 @@ impl Answer {
             "port": port, "firmware": self.hello.map(|hello| version(hello.firmware)),
             "dropped_frames": self.hello.map(|hello| hello.dropped), "gate_seen": self.hello.map(|h| h.gate_seen),
             "nodes": nodes,
+        })
+    }
+
+    fn kept_by(&self, node: u8) -> Option<&Calibration> {
+        self.kept.get(&node).and_then(Option::as_ref)
+    }
+
+    /// The first node that a command meant and that does not keep what it was to.
+    fn not_keeping(&self, commands: &[Command<'_>]) -> Option<u8> {
+        commands.iter().find_map(|command| {
+            let Command::Keep(meant, wanted) = command else { return None };
+            let meant = |node: &&NodeInfo| node.connected && (*meant == NO_NODE || *meant == node.node);
+            let mut nodes = self.nodes.iter().filter(meant).map(|node| node.node);
+            nodes.find(|node| self.kept.get(node) != Some(wanted))
         })
     }
 
@@ -119,9 +139,13 @@ impl Answer {
                 .temperature_centi_c
                 .map(|t| format!(", {:.1} °C", f64::from(t) / 100.0))
                 .unwrap_or_default();
+            let calibrated = self.kept_by(node.node).map_or_else(String::new, |kept| {
+                let id = kept.id();
+                say(lang, format!(", calibrated ({id:04x})"), format!("、キャリブレーション済み ({id:04x})"))
+            });
             let volts = f64::from(node.battery_mv) / 1000.0;
             text += &format!(
-                "  {} {} {}  {state}, {volts:.2} V{temperature}\n",
+                "  {} {} {}  {state}, {volts:.2} V{temperature}{calibrated}\n",
                 node.node, node.address, node.name
             );
         }
@@ -150,7 +174,10 @@ fn ask(name: &str, commands: &[Command<'_>], lang: Lang) -> Outcome<Answer> {
     let asked = Instant::now();
     let mut heard: Option<Instant> = None;
     let mut bytes = [0; 4096];
-    while asked.elapsed() < PATIENCE && heard.is_none_or(|at| at.elapsed() < AFTER) {
+    let open = |answer: &Answer, heard: Option<Instant>| {
+        heard.is_none_or(|at| at.elapsed() < AFTER) || answer.not_keeping(commands).is_some()
+    };
+    while asked.elapsed() < PATIENCE && open(&answer, heard) {
         match feed.read(&mut bytes).map_err(|error| failed(&error))? {
             Got::Bytes(count) => session.push(bytes.get(..count).unwrap_or_default(), &mut items),
             Got::Nothing => {}
@@ -165,6 +192,9 @@ fn ask(name: &str, commands: &[Command<'_>], lang: Lang) -> Outcome<Answer> {
                 Item::Node(node) => {
                     answer.nodes.retain(|known| known.node != node.node);
                     answer.nodes.push(node);
+                }
+                Item::Calibration(node, calibration) => {
+                    answer.kept.insert(node, calibration);
                 }
                 Item::Event(event) if event.code == EventCode::BadCommand => answer.refused = true,
                 _ => {}
@@ -185,6 +215,17 @@ fn ask(name: &str, commands: &[Command<'_>], lang: Lang) -> Outcome<Answer> {
             format!("{name}：コマンドが受け付けられませんでした。そのノードが接続中か確認してください"),
         )));
     }
+    if let Some(node) = answer.not_keeping(commands) {
+        return Err(Failure::condition(say(
+            lang,
+            format!(
+                "{name}: node {node} did not take the calibration; its firmware, or the receiver's, may be older than this shisei: flash both anew"
+            ),
+            format!(
+                "{name}：ノード {node} にキャリブレーションを保存できませんでした。ノードかレシーバのファームウェアがこの shisei より古い可能性があります。書き込み直してください"
+            ),
+        )));
+    }
     answer.nodes.sort_by_key(|node| node.node);
     Ok(answer)
 }
@@ -193,13 +234,40 @@ fn wrong_command(lang: Lang) -> Failure {
     Failure::input(say(
         lang,
         "a command to a node is wrong: NODE is a number from 0 or all; a name has at most 20 bytes; settings are \
-         FILTER,N,DPS,G, e.g. 0=estimator,4,2000,8",
-        "ノードへのコマンドが正しくありません。NODE は 0 からの番号または all、名前は 20 バイト以内、設定は FILTER,N,DPS,G (例: 0=estimator,4,2000,8) です",
+         FILTER,N,DPS,G, e.g. 0=estimator,4,2000,8; a calibration is CAL.json or none",
+        "ノードへのコマンドが正しくありません。NODE は 0 からの番号または all、名前は 20 バイト以内、設定は FILTER,N,DPS,G (例: 0=estimator,4,2000,8)、キャリブレーションは CAL.json または none です",
     ))
 }
 
 fn commands(args: &Devices, lang: Lang) -> Outcome<Vec<Command<'_>>> {
-    read_commands(args).ok_or_else(|| wrong_command(lang))
+    let wrong = || wrong_command(lang);
+    let mut commands = read_commands(args).ok_or_else(wrong)?;
+    if let Some(text) = &args.store_calibration {
+        let (node, file) = text.split_once('=').ok_or_else(wrong)?;
+        let node = place(node).ok_or_else(wrong)?;
+        let calibration =
+            if file == "none" { None } else { Some(calibration_for_node(Path::new(file), lang)?) };
+        commands.push(Command::Keep(node, calibration));
+    }
+    Ok(commands)
+}
+
+/// A calibration file as a node keeps it.
+pub fn calibration_for_node(path: &Path, lang: Lang) -> Outcome<Calibration> {
+    let calibration = kept::for_node(&calibration::read(path, lang)?.calibration);
+    if calibration.is_sound() {
+        return Ok(calibration);
+    }
+    let shown = path.display();
+    Err(Failure::input(say(
+        lang,
+        format!(
+            "{shown}: a node does not keep this: the accelerometer's bias may be 5 m/s² at most, the gyroscope's 0.5 rad/s, and the matrices no further than 0.25 from the identity; calibrate again, in m/s² and rad/s and the sensor's own axes"
+        ),
+        format!(
+            "{shown}：ノードに保存できない値です。バイアスは加速度 5 m/s²、ジャイロ 0.5 rad/s 以内、行列は単位行列から 0.25 以内が必要です。m/s²、rad/s、センサ自身の軸でキャリブレーションをやり直してください"
+        ),
+    )))
 }
 
 fn read_commands(args: &Devices) -> Option<Vec<Command<'_>>> {

@@ -37,8 +37,7 @@ pub struct Found {
 /// Runs the command.
 pub fn run(args: &Earth, lang: Lang) -> Outcome<()> {
     let latitude = args.latitude.map(f64::to_radians);
-    let report =
-        (!args.no_report).then(|| args.report.clone().unwrap_or_else(|| PathBuf::from("earth.html")));
+    let report = args.report.or("earth.html");
     let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
     if let Some(report) = &report {
         writer.check(report, Kind::Html)?;

@@ -66,8 +66,7 @@ pub fn run(args: &Fuse, lang: Lang) -> Outcome<()> {
     if outputs.is_empty() {
         outputs.push(PathBuf::from(format!("{stem}.fused.csv")));
     }
-    let report = (!args.no_report)
-        .then(|| args.report.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.fused.html"))));
+    let report = args.report.or(format!("{stem}.fused.html"));
     let inputs = args.imu.iter().chain([&args.optical]).chain(&args.pulses).cloned().collect();
     let writer = Writer { force: args.force, lang, inputs };
     for path in &outputs {

@@ -33,8 +33,7 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
     let source = Source { paths: args.files.clone() };
     let stem = source.stem();
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.motion.csv")));
-    let report = (!args.no_report)
-        .then(|| args.report.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.motion.html"))));
+    let report = args.report.or(format!("{stem}.motion.html"));
     let inputs = args.files.iter().chain(args.calibration.as_ref()).cloned().collect();
     let writer = Writer { force: args.force, lang, inputs };
     writer.check(&output, Kind::Motion)?;

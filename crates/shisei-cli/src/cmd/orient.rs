@@ -84,10 +84,9 @@ impl Places {
         let stem = source.stem();
         let args = &plan.args;
         let csv = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.orientation.csv")));
-        let html = args.report.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.html")));
         Places {
             csv,
-            html: (!args.no_report).then_some(html),
+            html: args.report.or(format!("{stem}.html")),
             png: args.plot.clone(),
             learnt: args.save_calibration.clone(),
         }
@@ -97,7 +96,7 @@ impl Places {
     pub fn in_folder(plan: &Plan, folder: &Path, stem: &str) -> Places {
         Places {
             csv: folder.join(format!("{stem}.orientation.csv")),
-            html: (!plan.args.no_report).then(|| folder.join(format!("{stem}.html"))),
+            html: plan.args.report.or(folder.join(format!("{stem}.html"))),
             png: None,
             learnt: None,
         }

@@ -18,6 +18,8 @@ use crate::fail::{Failure, Outcome, say};
 
 /// What was recorded reaches the disk at least this often.
 const FLUSH: Duration = Duration::from_millis(400);
+/// And after so many bytes of the port: a file's come faster than any receiver's.
+const FLUSH_BYTES: usize = 32_768;
 /// The state is shown this often.
 const SHOW: Duration = Duration::from_millis(500);
 /// Without a frame for so long, that is said.
@@ -32,7 +34,7 @@ pub fn run(args: &Record, lang: Lang) -> Outcome<()> {
     let handle = file.try_clone().map_err(|error| unwritable(args, &error, lang))?;
     let mut recorder = Recorder::new(args, file, lang).map_err(|error| unwritable(args, &error, lang))?;
     let outcome = recorder.work(&mut feed);
-    let written = recorder.take.written();
+    let (written, readable) = (recorder.take.written(), recorder.session.counts().frames > 0);
     let summary = recorder.end();
     if let Err(error) = outcome.and(summary.1) {
         // What was not written whole is no use to anybody.
@@ -42,6 +44,16 @@ pub fn run(args: &Record, lang: Lang) -> Outcome<()> {
     eprint!("{}", summary.0);
     if args.json {
         println!("{}", summary.2);
+    }
+    if !readable {
+        let (port, output) = (&args.port, args.output.display());
+        return Err(Failure::condition(say(
+            lang,
+            format!("{port}: nothing readable came; is it a receiver's? What came is kept in {output}"),
+            format!(
+                "{port}：読めるデータが届きませんでした。レシーバのポートか確認してください。届いたバイト列は {output} に残っています"
+            ),
+        )));
     }
     Ok(())
 }
@@ -85,6 +97,8 @@ struct Recorder<'a> {
     tagged: u64,
     interruptions: u32,
     shown_lines: usize,
+    /// Bytes since the last that reached the disk.
+    unflushed: usize,
 }
 
 impl<'a> Recorder<'a> {
@@ -100,6 +114,7 @@ impl<'a> Recorder<'a> {
             tagged: 0,
             interruptions: 0,
             shown_lines: 0,
+            unflushed: 0,
         })
     }
 
@@ -135,8 +150,9 @@ impl<'a> Recorder<'a> {
                     heard = Instant::now();
                 }
             }
-            if flushed.elapsed() >= FLUSH {
+            if flushed.elapsed() >= FLUSH || self.unflushed >= FLUSH_BYTES {
                 self.take.flush()?;
+                self.unflushed = 0;
                 flushed = Instant::now();
             }
             if heard.elapsed() >= SILENCE && !silence_said {
@@ -156,6 +172,7 @@ impl<'a> Recorder<'a> {
 
     fn bytes(&mut self, bytes: &[u8]) -> io::Result<()> {
         let now_ns = unix_ns();
+        self.unflushed += bytes.len();
         self.take.raw(bytes, now_ns)?;
         self.session.push(bytes, &mut self.items);
         self.keep(now_ns)
@@ -212,7 +229,7 @@ impl<'a> Recorder<'a> {
                     _ => {}
                 }
             }
-            Item::Hello(_) | Item::Garbage => {}
+            Item::Calibration(..) | Item::Hello(_) | Item::Garbage => {}
         }
     }
 

@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use shisei_core::Lang;
-use shisei_twin::lab::{Lab, Outage, Settings};
+use shisei_twin::lab::{Lab, Movement, Outage, Settings};
 
-use crate::args_live::{Lab as LabArgs, Simulate, Simulated};
+use super::devices::calibration_for_node;
+use crate::args_live::{Lab as LabArgs, MovementName, Simulate, Simulated};
 use crate::fail::{Failure, Outcome, say};
 
 /// How long a file of bytes is unless asked for otherwise, s.
@@ -54,7 +55,19 @@ fn settings(args: &LabArgs, lang: Lang) -> Outcome<Settings> {
         let &[node, at_s] = parts.as_slice() else { return Err(wrong("--reboot")) };
         reboots.push((node as usize, at_s));
     }
+    let mut calibrations = Vec::new();
+    for text in &args.calibrations {
+        let Some((node, path)) = text.split_once('=') else { return Err(wrong("--calibration")) };
+        let node: usize = node.parse().map_err(|_| wrong("--calibration"))?;
+        check(node < args.nodes, "--calibration")?;
+        calibrations.push((node, calibration_for_node(Path::new(path), lang)?));
+    }
     Ok(Settings {
+        movement: match args.movement {
+            MovementName::Free => Movement::Free,
+            MovementName::Poses => Movement::Poses,
+        },
+        calibrations,
         nodes: args.nodes,
         seed: args.seed,
         camera_hz: args.camera_rate,

@@ -36,7 +36,7 @@ fn unix_ns() -> u64 {
 }
 
 /// Bytes in a recording, and when the last of them came.
-fn raw(path: &Path) -> (Vec<u8>, u64) {
+pub fn raw(path: &Path) -> (Vec<u8>, u64) {
     let (mut bytes, mut last_ns) = (Vec::new(), 0);
     let file = std::fs::read(path).expect("the recording");
     shisei_hub::read::raw(&file, |_, time_ns, more| {
@@ -124,4 +124,80 @@ fn a_file_of_bytes_is_recorded_like_a_port() {
     assert!(ran.stderr.contains("サンプル"), "{}", ran.stderr);
     assert_eq!(raw(&desk.file("take.mcap")).0, std::fs::read(desk.file("bytes.bin")).expect("the bytes"));
     assert_eq!(desk.run(&["simulate", "lab", "--nodes", "7", "-o", "x"]).code, 2);
+}
+
+/// From a recording of poses to a node that corrects its own readings.
+#[test]
+fn a_node_is_given_its_calibration() {
+    let desk = Desk::new();
+    let part = ["--nodes", "1", "--seed", "12"];
+    let fine = |args: &[&str]| {
+        let ran = desk.run(args);
+        assert_eq!(ran.code, 0, "{args:?}: {}", ran.stderr);
+        ran
+    };
+    let poses = ["--movement", "poses", "--for", "116", "-o", "poses.bin"];
+    fine(&[&["simulate", "lab"], &part[..], &poses].concat());
+    fine(&["record", "poses.bin", "-o", "poses.mcap"]);
+    fine(&["calibrate", "poses.mcap", "--method", "gyro-turns", "-o", "cal.json", "--no-report"]);
+
+    let lab = Lab::start(&[&part[..], &["--for", "60"]].concat());
+    std::thread::sleep(Duration::from_millis(1500));
+    let told = fine(&["devices", &lab.port, "--store-calibration", "0=cal.json", "--json"]).stdout;
+    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let kept = &told["receivers"][0]["nodes"][0]["calibration"];
+    let file: serde_json::Value = serde_json::from_str(&desk.text("cal.json")).expect("JSON");
+    for (sensor, bias) in [("accelerometer", "bias_m_s2"), ("gyroscope", "bias_rad_s")] {
+        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+            let rows = value[sensor]["matrix"].as_array().expect("a matrix").iter();
+            let all = rows.chain([&value[sensor][bias]]).flat_map(|row| row.as_array().expect("a row"));
+            all.map(|number| number.as_f64().expect("a number")).collect()
+        };
+        let (kept, given) = (numbers(kept), numbers(&file));
+        assert_eq!(kept.len(), 12);
+        assert!(kept.iter().zip(&given).all(|(a, b)| (a - b).abs() < 1e-7), "{kept:?} {given:?}");
+    }
+    let id = kept["id"].as_str().expect("a number").to_owned();
+    // kept, and told to whoever asks next; then taken away
+    let listed = fine(&["devices", &lab.port, "--lang", "ja"]).stdout;
+    assert!(listed.contains(&format!("キャリブレーション済み ({id})")), "{listed}");
+    let listed = fine(&["devices", &lab.port, "--store-calibration", "all=none"]).stdout;
+    assert!(listed.contains("node 0") && !listed.contains("calibrated"), "{listed}");
+    let absent = desk.run(&["devices", &lab.port, "--store-calibration", "3=cal.json"]);
+    assert_eq!(absent.code, 1, "{}", absent.stderr);
+
+    // a laboratory whose node keeps it from the start says so in every packet
+    let kept = ["--calibration", "0=cal.json", "--for", "4", "-o", "kept.bin"];
+    fine(&[&["simulate", "lab"], &part[..], &kept].concat());
+    let (mut session, mut items) = (shisei_hub::Session::default(), Vec::new());
+    session.push(&std::fs::read(desk.file("kept.bin")).expect("the bytes"), &mut items);
+    let calibrated = |item: &shisei_hub::Item| match item {
+        shisei_hub::Item::Sample(sample) => Some(sample.calibrated),
+        _ => None,
+    };
+    assert!(items.iter().filter_map(calibrated).count() > 300);
+    assert!(items.iter().filter_map(calibrated).all(|calibrated| calibrated));
+}
+
+#[test]
+fn a_calibration_that_cannot_be_one_is_refused() {
+    let desk = Desk::new();
+    // in g
+    let sensor = r#"{"bias_m_s2": [0, 0, 0], "bias_rad_s": [0, 0, 0], "matrix": [[0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]]}"#;
+    desk.put(
+        "g.json",
+        format!(r#"{{"format": "shisei-calibration", "version": 1, "accelerometer": {sensor}, "gyroscope": {sensor}}}"#),
+    );
+    for (lang, word) in [("en", "identity"), ("ja", "単位行列")] {
+        let ran = desk.run(&["devices", "no-such-port", "--store-calibration", "0=g.json", "--lang", lang]);
+        assert!(ran.code == 2 && ran.stderr.contains(word), "{} {}", ran.code, ran.stderr);
+        let lab = ["simulate", "lab", "--calibration", "0=g.json", "-o", "x", "--lang", lang];
+        let ran = desk.run(&lab);
+        assert!(ran.code == 2 && ran.stderr.contains(word), "{} {}", ran.code, ran.stderr);
+    }
+    for (value, word) in [("0", "CAL.json"), ("x=g.json", "CAL.json"), ("0=absent.json", "absent.json")] {
+        let ran = desk.run(&["devices", "no-such-port", "--store-calibration", value]);
+        assert!(ran.code == 2 && ran.stderr.contains(word), "{value}: {} {}", ran.code, ran.stderr);
+    }
+    assert_eq!(desk.names(), ["g.json"]);
 }

@@ -11,3 +11,6 @@ mod many;
 mod measure;
 mod orientation;
 mod run;
+mod takes;
+#[cfg(unix)]
+mod trouble;

@@ -1,8 +1,8 @@
 //! What a node needs of its board.
 
-use shisei_wire::gatt::NOTIFICATION_MAX;
-use shisei_wire::message::{Command, NO_NODE};
-use shisei_wire::{AccRange, GyroRange, Message, VERSION};
+use shisei_wire::gatt::{COMMAND_MAX, NOTIFICATION_MAX};
+use shisei_wire::message::Command;
+use shisei_wire::{AccRange, Calibration, GyroRange};
 
 use super::{Node, Reaction, Reading};
 
@@ -28,6 +28,8 @@ pub trait Board {
     fn light(&mut self, on: bool);
     /// Stores the name and advertises it.
     fn store_name(&mut self, name: &str);
+    /// Stores the calibration, or that there is none; [`Node::keep`] gets it at the next start.
+    fn store_calibration(&mut self, calibration: Option<&Calibration>);
 }
 
 /// Does everything there is to do now. To be called when something happened, and every few milliseconds.
@@ -36,17 +38,9 @@ pub fn step(node: &mut Node, board: &mut impl Board) {
     if let Some(connected) = board.link_changed() {
         node.link(connected, now_us);
     }
-    let mut bytes = [0; 64];
+    let mut bytes = [0; COMMAND_MAX];
     while let Some(length) = board.command(&mut bytes) {
-        // Over the air a command is its kind and fields; on the line version and node stand with them.
-        let mut message = [0; 64 + 2];
-        let Some((kind, fields)) = bytes.get(..length).and_then(<[u8]>::split_first) else { continue };
-        let all = [VERSION, *kind, NO_NODE].into_iter().chain(fields.iter().copied());
-        for (place, byte) in message.iter_mut().zip(all) {
-            *place = byte;
-        }
-        let whole = message.get(..fields.len() + 3).unwrap_or_default();
-        if let Ok(Message::Command(command)) = Message::decode(whole) {
+        if let Ok(command) = Command::decode_for_node(bytes.get(..length).unwrap_or_default()) {
             react(node, board, &command, now_us);
         }
     }
@@ -72,5 +66,6 @@ fn react(node: &mut Node, board: &mut impl Board, command: &Command<'_>, now_us:
         Reaction::None => {}
         Reaction::SetRanges(gyro, acc) => board.set_ranges(gyro, acc),
         Reaction::StoreName => board.store_name(node.name()),
+        Reaction::StoreCalibration => board.store_calibration(node.calibration()),
     }
 }

@@ -11,12 +11,13 @@ pub use board::{Board, step};
 pub use start::{DURATION_US as START_US, Found, Starter, TICKS_MIN};
 pub use tick::{GAP_US, RATE_HZ, Rates, Tick, Ticker};
 
+use shisei_core::calibration::{Calibration as Correction, SensorModel};
 use shisei_core::vector::sub;
 use shisei_core::{Quaternion, Vec3};
 use shisei_wire::gatt::NAME_MAX;
 use shisei_wire::message::{Command, Settings};
 use shisei_wire::packet::{self, Anchor, Flags, Header, SAMPLES_MAX, Sample, Start};
-use shisei_wire::{AccRange, GyroRange};
+use shisei_wire::{AccRange, Calibration, GyroRange};
 
 use queue::Queue;
 
@@ -52,6 +53,8 @@ pub enum Reaction {
     SetRanges(GyroRange, AccRange),
     /// The name changed: store it and advertise it.
     StoreName,
+    /// The calibration that is kept changed: store it, or none.
+    StoreCalibration,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -59,10 +62,26 @@ struct Waiting {
     number: u64,
     time_us: u64,
     missed: bool,
+    calibrated: bool,
     gyro_range: GyroRange,
     acc_range: AccRange,
     start: Start,
     sample: Sample,
+}
+
+/// A calibration as it was sent, and ready for use.
+#[derive(Clone, Copy, Debug)]
+struct Kept {
+    sent: Calibration,
+    correction: Correction,
+}
+
+fn correction(sent: &Calibration) -> Correction {
+    let model = |half: &shisei_wire::calibration::Correction| {
+        let (bias, matrix) = half.to_f64();
+        SensorModel { bias, matrix }
+    };
+    Correction { accelerometer: model(&sent.accelerometer), gyroscope: model(&sent.gyroscope) }
 }
 
 /// A node.
@@ -84,6 +103,7 @@ pub struct Node {
     identify_until_us: u64,
     name: [u8; NAME_MAX],
     name_length: usize,
+    kept: Option<Kept>,
 }
 
 impl Node {
@@ -106,6 +126,7 @@ impl Node {
             identify_until_us: 0,
             name: [0; NAME_MAX],
             name_length: 0,
+            kept: None,
         };
         node.rename(name);
         node
@@ -128,21 +149,30 @@ impl Node {
     }
 
     fn tick(&mut self, tick: &Tick) {
+        // What is sent stays as the sensor gave it. The correction is linear, and a tick's rate and force are means:
+        // corrected once a tick they are what corrected readings would give, but for a hundredth of the coning term.
+        let corrected = self.kept.map_or(*tick, |Kept { correction, .. }| Tick {
+            gyro_rad_s: correction.gyroscope.apply(tick.gyro_rad_s),
+            acc_m_s2: correction.accelerometer.apply(tick.acc_m_s2),
+            ..*tick
+        });
         if let Some(starter) = &mut self.starter
-            && let Some(found) = starter.push(tick)
+            && let Some(found) = starter.push(&corrected)
         {
             self.starter = None;
             self.start = found.start;
             self.bias_rad_s = found.bias_rad_s;
-            self.attitude = Attitude::begin(self.settings.filter, found.world_from_body);
+            self.attitude =
+                Attitude::begin(self.settings.filter, found.world_from_body, found.bias_sigma_rad_s);
         }
-        let unbiased = sub(tick.gyro_rad_s, self.bias_rad_s);
-        self.world_from_body = self.attitude.update(unbiased, tick.acc_m_s2, tick.dt_s);
+        let unbiased = sub(corrected.gyro_rad_s, self.bias_rad_s);
+        self.world_from_body = self.attitude.update(unbiased, corrected.acc_m_s2, tick.dt_s);
         let (gyro_range, acc_range) = (self.settings.gyro_range, self.settings.acc_range);
         self.queue.push(Waiting {
             number: tick.number,
             time_us: tick.time_us,
             missed: tick.reading_missed,
+            calibrated: self.kept.is_some(),
             gyro_range,
             acc_range,
             start: self.start,
@@ -181,7 +211,7 @@ impl Node {
             let dt_us = waiting.time_us - first.time_us;
             let alike = waiting.number == first.number + k as u64
                 && (waiting.gyro_range, waiting.acc_range) == (first.gyro_range, first.acc_range)
-                && waiting.start == first.start
+                && (waiting.start, waiting.calibrated) == (first.start, first.calibrated)
                 && (waiting.time_us < connected_us) == late;
             if !alike || dt_us > u64::from(u16::MAX) {
                 break;
@@ -203,6 +233,7 @@ impl Node {
                 filter: self.settings.filter,
                 start: first.start,
                 reading_missed: missed,
+                calibrated: first.calibrated,
             },
             boot: self.boot,
             sequence: first.number as u16,
@@ -235,6 +266,10 @@ impl Node {
                 self.rename(name);
                 Reaction::StoreName
             }
+            Command::Keep(_, calibration) => {
+                self.keep(calibration);
+                Reaction::StoreCalibration
+            }
             Command::Configure(_, settings) => {
                 let before = self.settings;
                 self.settings = Settings { batch: settings.batch.clamp(1, SAMPLES_MAX as u8), ..settings };
@@ -256,6 +291,17 @@ impl Node {
         self.start = Start::Running;
         self.bias_rad_s = [0.0; 3];
         self.attitude = Attitude::Waiting;
+    }
+
+    /// What the board has stored; also for a board that starts. Bias and attitude are found anew.
+    pub fn keep(&mut self, calibration: Option<Calibration>) {
+        self.kept = calibration.map(|sent| Kept { sent, correction: correction(&sent) });
+        self.restart();
+    }
+
+    /// The calibration that is kept.
+    pub fn calibration(&self) -> Option<&Calibration> {
+        self.kept.as_ref().map(|kept| &kept.sent)
     }
 
     fn rename(&mut self, name: &str) {

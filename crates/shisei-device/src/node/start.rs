@@ -1,7 +1,7 @@
 //! The start: gyroscope bias and attitude from two seconds at rest.
 
 use shisei_core::vector::{add, scale};
-use shisei_core::{Quaternion, Vec3, initial, vector};
+use shisei_core::{Quaternion, Vec3, initial, math, vector};
 use shisei_wire::packet::Start;
 
 use super::tick::Tick;
@@ -20,6 +20,9 @@ pub struct Found {
     pub bias_rad_s: Vec3,
     /// From the mean acceleration; identity where there is none.
     pub world_from_body: Quaternion,
+    /// How sure the bias is, rad/s: the scatter of the rates about it, so that a node that was held in a hand is less
+    /// sure than one that lay on a table. None where it is not to be relied on.
+    pub bias_sigma_rad_s: Option<f64>,
     /// How it went.
     pub start: Start,
 }
@@ -60,6 +63,7 @@ impl Starter {
             bias_rad_s: if start == Start::Skipped { [0.0; 3] } else { mean },
             world_from_body: initial::from_mean_acceleration(scale(self.acc, share))
                 .unwrap_or(Quaternion::IDENTITY),
+            bias_sigma_rad_s: (start == Start::Done).then(|| math::sqrt(variance.max(0.0))),
             start,
         }
     }
@@ -91,12 +95,15 @@ mod tests {
             assert!((found.bias_rad_s[axis] - expected).abs() < 1e-12);
         }
         assert!((found.world_from_body.rotate([0.0, 1.0, 0.0])[2] - 1.0).abs() < 1e-12);
+        // ±0.002 about the mean
+        assert!((found.bias_sigma_rad_s.unwrap() - 0.002).abs() < 1e-9, "{found:?}");
     }
 
     #[test]
     fn too_few_ticks_skip_it_and_motion_is_said() {
         assert_eq!(run(900_000, |_| 0.01).start, Start::Skipped);
         assert_eq!(run(900_000, |_| 0.01).bias_rad_s, [0.0; 3]);
-        assert_eq!(run(25_000, |number| if number % 2 == 0 { 1.0 } else { -1.0 }).start, Start::Moved);
+        let moved = run(25_000, |number| if number % 2 == 0 { 1.0 } else { -1.0 });
+        assert_eq!((moved.start, moved.bias_sigma_rad_s), (Start::Moved, None));
     }
 }

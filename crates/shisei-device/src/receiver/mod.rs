@@ -5,8 +5,9 @@ mod slot;
 
 pub use outbox::Outbox;
 
+use shisei_wire::gatt::COMMAND_MAX;
 use shisei_wire::message::{self, Command, Data, Event, EventCode, Hello, MESSAGE_MAX, NO_NODE};
-use shisei_wire::{Deframer, Message, Packet};
+use shisei_wire::{Calibration, Deframer, Message, Packet};
 
 use slot::{Continuity, Slot};
 
@@ -26,7 +27,7 @@ const FULL_US: u64 = 10_000_000;
 pub struct ToNode {
     /// Which place; [`NO_NODE`]: all that are connected.
     pub node: u8,
-    bytes: [u8; 32],
+    bytes: [u8; COMMAND_MAX],
     length: usize,
 }
 
@@ -131,6 +132,8 @@ impl<const OUT: usize> Receiver<OUT> {
             firmware: slot.firmware,
             name: slot.name(),
         }));
+        let kept = message::NodeCalibration { node: place as u8, calibration: slot.calibration };
+        self.outbox.push(&Message::Calibration(kept));
     }
 
     fn event(&mut self, time_us: u64, code: EventCode, node: u8, value: u32) -> bool {
@@ -201,6 +204,17 @@ impl<const OUT: usize> Receiver<OUT> {
     pub fn status(&mut self, place: usize, status: &[u8]) {
         if let Some(slot) = self.slots.get_mut(place) {
             slot.set_status(status);
+        }
+    }
+
+    /// What a node's [`shisei_wire::gatt::CALIBRATION`] reads; empty, or unreadable, where it keeps none. Told where it
+    /// is another than before.
+    pub fn calibration(&mut self, place: usize, bytes: &[u8]) {
+        let calibration = Calibration::decode(bytes).ok();
+        let Some(slot) = self.slots.get_mut(place) else { return };
+        if core::mem::replace(&mut slot.calibration, calibration) != calibration {
+            let kept = message::NodeCalibration { node: place as u8, calibration };
+            self.outbox.push(&Message::Calibration(kept));
         }
     }
 
@@ -299,7 +313,7 @@ fn read_command(message: &[u8]) -> Option<Asked> {
         return Some(Asked::Hello);
     }
     // version, kind, node, fields → kind, fields
-    let mut to_node = ToNode { node: command.node(), bytes: [0; 32], length: message.len() - 2 };
+    let mut to_node = ToNode { node: command.node(), bytes: [0; COMMAND_MAX], length: message.len() - 2 };
     let content = message.get(1..2)?.iter().chain(message.get(3..)?);
     for (place, byte) in to_node.bytes.iter_mut().zip(content) {
         *place = *byte;

@@ -1,5 +1,6 @@
 //! What the receiver knows of one node.
 
+use shisei_wire::Calibration;
 use shisei_wire::gatt::NAME_MAX;
 use shisei_wire::packet::Header;
 
@@ -32,6 +33,7 @@ pub struct Slot {
     pub battery_mv: u16,
     pub temperature_centi_c: Option<i16>,
     pub firmware: [u8; 3],
+    pub calibration: Option<Calibration>,
     name: [u8; NAME_MAX],
     name_length: usize,
     next_sequence: u16,
@@ -49,6 +51,7 @@ impl Default for Slot {
             battery_mv: 0,
             temperature_centi_c: None,
             firmware: [0; 3],
+            calibration: None,
             name: [0; NAME_MAX],
             name_length: 0,
             next_sequence: 0,

@@ -375,7 +375,7 @@ impl Hub {
                 self.note("warning", "the receiver started anew", "レシーバが再起動しました");
                 self.uncouple(port);
             }
-            Item::Event(_) | Item::Hello(_) | Item::Garbage => {}
+            Item::Calibration(..) | Item::Event(_) | Item::Hello(_) | Item::Garbage => {}
         }
     }
 

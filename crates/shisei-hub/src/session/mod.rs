@@ -9,7 +9,7 @@ use shisei_core::clock::{Pulse, PulseTrain};
 use shisei_core::{Quaternion, Vec3};
 use shisei_wire::message::{Event, EventCode, Hello, Node};
 use shisei_wire::packet::{FilterKind, Start};
-use shisei_wire::{Deframer, Message, Packet};
+use shisei_wire::{Calibration, Deframer, Message, Packet};
 
 pub use track::Quality;
 use track::Track;
@@ -56,6 +56,8 @@ pub struct Sample {
     pub start: Start,
     /// What made the attitude.
     pub filter: FilterKind,
+    /// The attitude is of readings corrected by a calibration that the node keeps; rate and force never are.
+    pub calibrated: bool,
 }
 
 /// A node's name and state.
@@ -92,6 +94,8 @@ pub enum Item {
     ReceiverRebooted(u16),
     /// A node's name and state.
     Node(NodeInfo),
+    /// The calibration that a node keeps: node, and what; none where it keeps none.
+    Calibration(u8, Option<Calibration>),
     /// The receiver's word.
     Hello(Hello),
     /// An unreadable frame.
@@ -222,6 +226,7 @@ impl Session {
                 items.push(Item::Event(event));
             }
             Message::Node(node) => items.push(Item::Node(info(&node))),
+            Message::Calibration(kept) => items.push(Item::Calibration(kept.node, kept.calibration)),
             // What a PC says is not for a PC.
             Message::Command(_) => {}
         }

@@ -133,6 +133,7 @@ impl Track {
                     reading_missed: header.flags.reading_missed,
                     start: header.flags.start,
                     filter: header.flags.filter,
+                    calibrated: header.flags.calibrated,
                 },
             });
         }

@@ -229,10 +229,12 @@ fn choose(name: &str, file: File, asked: Option<&str>) -> Result<Sensor> {
     let mut sensors: Vec<(String, Sensor)> =
         file.sensors.into_iter().filter(|(_, sensor)| !sensor.values.is_empty()).collect();
     let names: Vec<String> = sensors.iter().map(|(_, sensor)| sensor.name.clone()).collect();
+    if names.is_empty() {
+        return Err(Error::of_file(name, Problem::NoSamples));
+    }
     let Some(asked) = asked else {
         return match (sensors.pop(), sensors.is_empty()) {
             (Some((_, only)), true) => Ok(only),
-            (None, _) => Err(Error::of_file(name, Problem::NotARecording { columns: Vec::new() })),
             _ => Err(Error::of_file(name, Problem::ManySensors { names })),
         };
     };

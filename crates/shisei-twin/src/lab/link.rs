@@ -99,6 +99,8 @@ impl Lab {
                 let clock = node.clock();
                 let node_us = clock.exact_us(next_s) + jitter * node.random.normal();
                 node.board.anchor = Some((event, node_us.max(0.0) as u64));
+                let kept = node.device.calibration().and_then(|kept| kept.encode().ok());
+                self.receiver.calibration(place, kept.as_ref().map_or(&[][..], |bytes| bytes));
                 for k in 0..PACKETS_MAX {
                     let Some(packet) = node.board.radio.pop_front() else { break };
                     // The task that takes it runs when it gets to it.

@@ -15,6 +15,7 @@ pub use clock::Clock;
 pub use truth::Boot;
 
 use shisei_device::receiver::{NODES_MAX, Receiver};
+use shisei_wire::Calibration;
 use shisei_wire::message::NO_NODE;
 
 use crate::motion::Motion;
@@ -43,6 +44,17 @@ pub struct Outage {
     pub to_s: f64,
 }
 
+/// What the nodes do, again and again.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Movement {
+    /// Rest, free movement, rest: [`crate::movements::wander`].
+    #[default]
+    Free,
+    /// Six faces and many poses: [`crate::movements::calibration_poses`]. The sensors are those of the same seed's free
+    /// movement, their noise is another.
+    Poses,
+}
+
 /// What the laboratory is like.
 #[derive(Clone, Debug)]
 pub struct Settings {
@@ -68,8 +80,12 @@ pub struct Settings {
     pub sensor: Sensor,
     /// Its errors.
     pub errors: Errors,
-    /// How long a node's movement is before it begins anew, s; of it the first and last 3 s are at rest.
+    /// What the nodes do.
+    pub movement: Movement,
+    /// How long a free movement is before it begins anew, s; of it the first and last 3 s are at rest.
     pub movement_s: f64,
+    /// Calibrations that nodes keep from the start: which node, and what.
+    pub calibrations: Vec<(usize, Calibration)>,
 }
 
 impl Default for Settings {
@@ -86,7 +102,9 @@ impl Default for Settings {
             reboots: Vec::new(),
             sensor: Sensor::lsm6ds3tr_c(),
             errors: Errors::Drawn,
+            movement: Movement::Free,
             movement_s: 60.0,
+            calibrations: Vec::new(),
         }
     }
 }
@@ -240,6 +258,11 @@ impl Lab {
     /// A node's light is on.
     pub fn light(&self, node: usize) -> bool {
         self.nodes.get(node).is_some_and(|node| node.board.light)
+    }
+
+    /// The calibration that a node keeps.
+    pub fn calibration(&self, node: usize) -> Option<&Calibration> {
+        self.nodes.get(node).and_then(|node| node.device.calibration())
     }
 
     /// A node's name.

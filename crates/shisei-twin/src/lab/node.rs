@@ -4,16 +4,16 @@ use std::collections::VecDeque;
 
 use shisei_device::node::{Board, Node, Reading, step};
 use shisei_wire::packet::counts;
-use shisei_wire::{AccRange, GyroRange};
+use shisei_wire::{AccRange, Calibration, GyroRange};
 
-use super::Settings;
 use super::clock::Clock;
 use super::link::Link;
 use super::truth::Boot;
+use super::{Movement, Settings};
 use crate::motion::Path;
-use crate::movements::wander;
+use crate::movements::{calibration_poses, wander};
 use crate::random::Random;
-use crate::simulate::{Sample, simulate};
+use crate::simulate::{Errors, Sample, part, simulate};
 
 /// Nominal rate of the sensor, Hz; a part's own is off by some per cent.
 const SENSOR_HZ: f64 = 833.0;
@@ -34,6 +34,8 @@ pub struct SimulatedBoard {
     pub commands: VecDeque<Vec<u8>>,
     pub light: bool,
     pub ranges: (GyroRange, AccRange),
+    /// What is written to flash, and so there after a restart.
+    pub stored: Option<Calibration>,
 }
 
 impl Board for SimulatedBoard {
@@ -80,6 +82,10 @@ impl Board for SimulatedBoard {
     }
 
     fn store_name(&mut self, _: &str) {}
+
+    fn store_calibration(&mut self, calibration: Option<&Calibration>) {
+        self.stored = calibration.copied();
+    }
 }
 
 /// A node, its board, its movement and its link.
@@ -103,9 +109,15 @@ pub struct SimulatedNode {
 impl SimulatedNode {
     pub fn new(index: usize, settings: &Settings, mut random: Random) -> Self {
         let seed = settings.seed.wrapping_mul(64) + index as u64;
-        let motion = wander(seed, 3.0, settings.movement_s - 6.0);
         let sensor_hz = SENSOR_HZ * (1.0 + SENSOR_TOLERANCE * random.between(-1.0, 1.0));
         let sampling = crate::Settings { errors: settings.errors, ..crate::Settings::new(sensor_hz, seed) };
+        let (motion, sampling) = match settings.movement {
+            Movement::Free => (wander(seed, 3.0, settings.movement_s - 6.0), sampling),
+            Movement::Poses => {
+                let errors = Errors::Given(part(&settings.sensor, &sampling));
+                (calibration_poses(seed), crate::Settings { errors, seed: !seed, ..sampling })
+            }
+        };
         let samples = simulate(&motion, &settings.sensor, &sampling).samples;
         let share = if index == 0 { 1.0 } else { random.between(-1.0, 1.0) };
         let mut reboots_s: Vec<f64> =
@@ -114,7 +126,10 @@ impl SimulatedNode {
         let mut node = SimulatedNode {
             index,
             device: Node::new(0, ""),
-            board: SimulatedBoard::default(),
+            board: SimulatedBoard {
+                stored: settings.calibrations.iter().rfind(|(node, _)| *node == index).map(|(_, kept)| *kept),
+                ..SimulatedBoard::default()
+            },
             boots: Vec::new(),
             // What is simulated in steps of the sensor lasts so long.
             movement_s: samples.len() as f64 / sensor_hz,
@@ -141,7 +156,8 @@ impl SimulatedNode {
         let id = self.random.between(1.0, 65_535.0) as u16;
         self.boots.push(Boot { id, clock: Clock { started_s: now_s, offset_us, skew: self.skew } });
         self.device = Node::new(id, &format!("node {}", self.index));
-        self.board = SimulatedBoard::default();
+        self.board = SimulatedBoard { stored: self.board.stored, ..SimulatedBoard::default() };
+        self.device.keep(self.board.stored);
         self.next_reading = shisei_core::math::floor((now_s + BOOT_S) * self.sensor_hz) as usize;
     }
 

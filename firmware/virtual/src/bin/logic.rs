@@ -7,13 +7,12 @@ use shisei_wire::packet::FilterKind;
 
 fn main() {
     let mut readings = 0;
-    for (name, filter) in [("complementary", FilterKind::Complementary), ("estimator", FilterKind::Estimator)]
-    {
-        let (hash, samples) = work::run(filter, |_, before| readings += u64::from(before));
+    for (name, filter, calibrated) in work::CASES {
+        let (hash, samples) = work::run(filter, calibrated, |_, before| readings += u64::from(before));
         println!("{name} {hash:016x} {samples} samples");
     }
     assert!(
         work::filter(FilterKind::Complementary, |_, _| {}).to_array().iter().all(|part| part.is_finite())
     );
-    assert!(readings > work::STARTED && readings == 2 * work::READINGS);
+    assert!(readings > work::STARTED && readings == work::CASES.len() as u64 * work::READINGS);
 }
