@@ -2,6 +2,10 @@
 
 use serde_json::Value;
 
+use super::hub::{Hub, NODES_MAX};
+use super::node::Node;
+use super::scene::Key;
+
 /// Longest name, bytes.
 const NAME_MAX: usize = 60;
 
@@ -47,6 +51,40 @@ fn tidy(name: &str) -> String {
         out.push(c);
     }
     out
+}
+
+impl Hub {
+    pub(super) fn command(&mut self, command: Command) {
+        match command {
+            Command::Record(on) => self.record(on),
+            Command::Align(id) => {
+                if let Some(node) = self.node_of(id) {
+                    node.align();
+                }
+            }
+            Command::Heading(id, yaw_rad) => {
+                if let Some(node) = self.node_of(id) {
+                    node.set_heading(yaw_rad);
+                }
+            }
+            Command::Name(node, name) => {
+                let Some(found) = self.nodes.iter_mut().find(|known| known.name == node) else { return };
+                found.name.clone_from(&name);
+                let (place, own) = (found.place, found.own_name.clone());
+                if self.aliases.len() < NODES_MAX {
+                    self.aliases.insert(own, name.clone());
+                }
+                self.renamed(place, &name);
+            }
+        }
+    }
+
+    fn node_of(&mut self, id: u32) -> Option<&mut Node> {
+        match self.scene.key_of(id)? {
+            Key::Node(index) => self.nodes.get_mut(index),
+            Key::Body(_) => None,
+        }
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use super::hub::Hub;
 use super::learn::Question;
-use super::merge::Clocking;
+use super::merge::{Clocking, Coupling, Merger};
 use super::optics::BodyKey;
 use super::scene::Key;
 
@@ -98,5 +98,44 @@ impl Hub {
             }
             None => self.couple(index, found.body, found.coupling, found.sigma_s),
         }
+    }
+
+    /// Sensors of a port are no longer brought together with bodies: its clock has changed.
+    pub(super) fn uncouple(&mut self, port: usize) {
+        for node in self.nodes.iter_mut().filter(|node| node.place.0 == port) {
+            node.past.clear();
+            node.merger = None;
+            node.asked = None;
+            node.sync_s = None;
+        }
+    }
+
+    /// A sensor is brought together with a body from now on.
+    pub(super) fn couple(&mut self, index: usize, body: BodyKey, coupling: Coupling, sigma_s: f64) {
+        let name = self.scene.get_mut(Key::Body(body)).map(|object| object.name.clone()).unwrap_or_default();
+        let alignment =
+            self.known.get(&name).map_or(coupling.alignment, |known| known.onto(&coupling.alignment));
+        let coupling = Coupling { alignment, ..coupling };
+        let Ok(merger) = Merger::new(coupling, &self.settings.optics) else { return };
+        let Some(node) = self.nodes.get_mut(index) else { return };
+        node.merger = Some(Box::new(merger));
+        node.body = Some(body);
+        node.sync_s = Some(sigma_s);
+        let name = node.name.clone();
+        self.scene.remove(Key::Node(index));
+        if let Some(object) = self.scene.get_mut(Key::Body(body)) {
+            object.node = Some(name.clone());
+            let body_name = object.name.clone();
+            if let Some(shown) = &mut object.shown {
+                // times of another clock are not compared with the new one's
+                shown.time_s = f64::NEG_INFINITY;
+            }
+            self.note(
+                "info",
+                &format!("{name} is on {body_name} (clocks to {:.1} ms)", sigma_s * 1e3),
+                &format!("{name} を {body_name} に対応付けました (時刻の誤差 {:.1} ms)", sigma_s * 1e3),
+            );
+        }
+        self.scene.changed = true;
     }
 }
