@@ -68,6 +68,9 @@ pub struct Live {
     /// Record from the start; without it, recordings begun in the viewer go to shisei-live.mcap
     #[arg(long, value_name = "TAKE.mcap")]
     pub record: Option<PathBuf>,
+    /// How long the recorded estimate /smoothed waits for what comes next, s, 0.5 to 3: gaps of half of it come out as `shisei fuse` fills them
+    #[arg(long, value_name = "S", default_value_t = 2.0)]
+    pub lag: f64,
     /// Address of the viewer, ADDR or ADDR:PORT; another than this machine's needs the token that is printed
     #[arg(long, value_name = "ADDR")]
     pub listen: Option<String>,

@@ -37,6 +37,9 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
     if !(0.0..=1000.0).contains(&args.speed) {
         return Err(wrong("--speed", lang));
     }
+    if !(0.5..=3.0).contains(&args.lag) {
+        return Err(wrong("--lag", lang));
+    }
     let parts = Parts {
         inputs: inputs(&args, lang)?,
         outputs: outputs(&args, lang)?,
@@ -52,6 +55,7 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
         pairs: pairs.collect::<Outcome<_>>()?,
         record: args.record.clone().unwrap_or_else(|| PathBuf::from(RECORDING)),
         record_now: args.record.is_some(),
+        lag_s: args.lag,
         demo: args.demo,
         lang,
         ..Settings::default()

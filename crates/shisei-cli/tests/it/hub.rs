@@ -104,9 +104,16 @@ fn the_demonstration_is_shown_recorded_killed_and_played_again() {
     assert_eq!(status["nodes"].as_array().map(Vec::len), Some(4));
     assert_eq!(status["inputs"][0]["lost"], 0);
 
+    // a body is recorded once more when it is known what came next
+    let file = folder.join("shisei-live.mcap");
+    let (topic, asked) = (b"/smoothed/", Instant::now());
+    while !std::fs::read(&file).expect("the recording").windows(topic.len()).any(|bytes| bytes == topic) {
+        assert!(asked.elapsed() < PATIENCE, "nothing was smoothed");
+        std::thread::sleep(Duration::from_millis(300));
+    }
+
     // killed in the middle: what was recorded can be read, decoded anew and played
     live.child.kill().expect("killed");
-    let file = folder.join("shisei-live.mcap");
     let bytes = std::fs::read(&file).expect("the recording");
     let mut ports = std::collections::BTreeMap::new();
     shisei_hub::read::raw(&bytes, |port, _, part| *ports.entry(port.to_owned()).or_insert(0) += part.len())
@@ -160,6 +167,7 @@ fn what_cannot_be_is_said() {
         (&["live"][..], "--demo"),
         (&["live", "--demo", "--listen", "nowhere"], "--listen"),
         (&["live", "--demo", "--speed=-1"], "--speed"),
+        (&["live", "--demo", "--lag", "0.2"], "--lag"),
         (&["live", "--replay", "absent.mcap"], "absent.mcap"),
         (&["live", "--demo", "--natnet-out", "127.0.0.1:1"], "--natnet-out"),
         (&["live", "--demo", "--pair", "x"], "--pair"),

@@ -9,6 +9,7 @@ mod cameras;
 pub mod command;
 pub mod hub;
 pub mod input;
+pub mod lagged;
 pub mod learn;
 pub mod merge;
 pub mod meter;

@@ -6,6 +6,7 @@ use super::hub::Hub;
 use super::learn::Question;
 use super::merge::{Clocking, Coupling, Merger};
 use super::optics::BodyKey;
+use super::recorder::Recorder;
 use super::scene::Key;
 
 /// Least of a node's past that is searched, s.
@@ -102,7 +103,11 @@ impl Hub {
 
     /// Sensors of a port are no longer brought together with bodies: its clock has changed.
     pub(super) fn uncouple(&mut self, port: usize) {
-        for node in self.nodes.iter_mut().filter(|node| node.place.0 == port) {
+        let smoothing = self.recorder.as_ref().and_then(Recorder::smoothing);
+        for (index, node) in self.nodes.iter_mut().enumerate().filter(|(_, node)| node.place.0 == port) {
+            if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
+                smoothing.end_of(index);
+            }
             node.past.clear();
             node.merger = None;
             node.asked = None;
@@ -137,5 +142,6 @@ impl Hub {
             );
         }
         self.scene.changed = true;
+        self.smooth(index);
     }
 }

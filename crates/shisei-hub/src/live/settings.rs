@@ -6,6 +6,7 @@ use serde_json::json;
 use shisei_core::Lang;
 use shisei_core::estimator::BridgeSettings;
 use shisei_core::frames::Axes;
+use shisei_core::fuse::delayed::DelayedSettings;
 
 /// How the hub works.
 #[derive(Clone, Debug)]
@@ -16,6 +17,8 @@ pub struct Settings {
     pub optics: BridgeSettings,
     /// Positions in gaps longer than this are not shown, s.
     pub position_trust_s: f64,
+    /// The estimate that is recorded with a delay waits so long, s, 0 … 10.
+    pub lag_s: f64,
     /// Nodes that are on a body, by names; without one, bodies are found by their motion.
     pub pairs: Vec<(String, String)>,
     /// Where recordings go; the first begins at once where `record_now`.
@@ -34,6 +37,7 @@ impl Default for Settings {
             axes: Axes::YUp,
             optics: BridgeSettings { lever_m: 0.005, ..BridgeSettings::default() },
             position_trust_s: 5.0,
+            lag_s: DelayedSettings::default().lag_s,
             pairs: Vec::new(),
             record: PathBuf::from("take.mcap"),
             record_now: false,

@@ -23,6 +23,7 @@ const SILENT: Duration = Duration::from_secs(2);
 impl Hub {
     /// A body has moved as its sensor says.
     pub(super) fn moved(&mut self, node: usize, moved: &[Moved], arrival: &Arrival) {
+        self.smooth_on(node, arrival.unix_ns);
         let Some(body) = self.nodes.get(node).and_then(|node| node.body) else { return };
         let trust_s = self.settings.position_trust_s;
         let Some(object) = self.scene.get_mut(Key::Body(body)) else { return };
