@@ -1,5 +1,6 @@
 //! The command line of `devices`, `record`, `live` and `simulate`.
 
+use std::net::Ipv4Addr;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
@@ -77,6 +78,9 @@ pub struct Live {
     /// Give the fused bodies out as Motive would, to existing clients: this machine's address and two ports (1510, 1511)
     #[arg(long, value_name = "ADDR[:CMD:DATA]")]
     pub natnet_out: Option<String>,
+    /// With --natnet-out: send to a multicast group, as Motive does unless told otherwise, on the network of that address
+    #[arg(long, value_name = "GROUP", num_args = 0..=1, default_missing_value = "239.255.42.99", requires = "natnet_out")]
+    pub natnet_multicast: Option<Ipv4Addr>,
     /// Send poses over OSC (and VMC trackers and bones) to ADDR:PORT
     #[arg(long, value_name = "ADDR:PORT")]
     pub osc: Option<String>,

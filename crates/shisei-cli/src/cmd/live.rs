@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -125,7 +125,14 @@ fn outputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Output>>> {
     let mut outputs: Vec<Box<dyn Output>> = Vec::new();
     if let Some(text) = &args.natnet_out {
         let (address, command, data) = natnet_address(text).ok_or_else(|| wrong("--natnet-out", lang))?;
-        let out = NatNetOut::new(address, command, data, Axes::YUp).map_err(|error| {
+        if args.natnet_multicast.is_some_and(|group| !group.is_multicast()) {
+            return Err(wrong("--natnet-multicast", lang));
+        }
+        let out = match args.natnet_multicast {
+            Some(group) => NatNetOut::multicast(address, command, SocketAddrV4::new(group, data), Axes::YUp),
+            None => NatNetOut::new(address, command, data, Axes::YUp),
+        };
+        let out = out.map_err(|error| {
             Failure::input(say(
                 lang,
                 format!("--natnet-out {text}: {error}; does Motive run here? choose other ports: {address}:1520:1521"),

@@ -170,6 +170,11 @@ fn what_cannot_be_is_said() {
         (&["live", "--demo", "--lag", "0.2"], "--lag"),
         (&["live", "--replay", "absent.mcap"], "absent.mcap"),
         (&["live", "--demo", "--natnet-out", "127.0.0.1:1"], "--natnet-out"),
+        (&["live", "--demo", "--natnet-multicast"], "--natnet-out"),
+        (
+            &["live", "--demo", "--natnet-out", "127.0.0.1:0:1511", "--natnet-multicast", "192.0.2.1"],
+            "--natnet-multicast",
+        ),
         (&["live", "--demo", "--pair", "x"], "--pair"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_shisei"))
