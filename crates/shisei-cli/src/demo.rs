@@ -178,6 +178,9 @@ impl Input for Demo {
         line.give(&motive, What::NatNet(self.server()));
         let started = Instant::now();
         while !line.stopped() {
+            while let Some((_, bytes)) = line.outbox().fetch() {
+                self.lab.command(&bytes);
+            }
             let time_s = started.elapsed().as_secs_f64();
             self.lab.run_to(time_s);
             let mut bytes = Vec::new();

@@ -240,7 +240,13 @@ impl Input for Serial {
                 continue;
             };
             line.give(&name, What::State(State::Connected));
+            // what was to be said before nobody waits for any more
+            while line.outbox().fetch().is_some() {}
             while !line.stopped() {
+                // a port that is gone says so when it is read
+                while let Some((_, bytes)) = line.outbox().fetch() {
+                    let _ = feed.write(&bytes);
+                }
                 match feed.read(&mut bytes) {
                     Ok(Got::Bytes(count)) => {
                         let bytes = bytes.get(..count).unwrap_or_default().to_vec();

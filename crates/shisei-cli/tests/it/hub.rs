@@ -160,6 +160,46 @@ fn parts_that_go_come_back_by_themselves() {
     assert!(bytes > 4_000, "{bytes}");
 }
 
+/// A name that is set in the viewer is in the node: it is there when the program is started anew.
+#[cfg(unix)]
+#[test]
+fn a_name_given_in_the_viewer_is_kept_by_the_node() {
+    let desk = Desk::new();
+    let lab = crate::live::Lab::start(&["--seed", "5"]);
+    let names = |m: &Value| -> Vec<String> {
+        let nodes = m["nodes"].as_array().into_iter().flatten();
+        nodes.filter_map(|node| node["name"].as_str().map(str::to_owned)).collect()
+    };
+    let both = |m: &Value| m["type"] == "status" && names(m).len() == 2;
+    let live = Live::start(desk.path(), &["--serial", &lab.port]);
+    let mut client = live.client();
+    let before = names(&until(&mut client, "both nodes", both));
+    let rename = |client: &mut WebSocket<TcpStream>, name: &str| {
+        // what it is called now, as the newest status says
+        let now = names(&until(client, "both nodes", both));
+        let message = serde_json::json!({"type": "name", "node": now[0], "name": name});
+        client.send(Message::text(message.to_string())).expect("sent");
+    };
+    rename(&mut client, "左手");
+    until(&mut client, "the node's answer", |m| {
+        m["type"] == "note" && m["level"] == "info" && m["ja"].as_str().is_some_and(|ja| ja.contains("左手"))
+    });
+    // a name that a node cannot keep is one here, and that is said
+    rename(&mut client, "a name of more than twenty bytes");
+    until(&mut client, "the note", |m| {
+        m["type"] == "note" && m["level"] == "warning" && m["en"].as_str().is_some_and(|en| en.contains("20"))
+    });
+    until(&mut client, "the name here", |m| {
+        m["type"] == "status" && names(m).contains(&"a name of more than twenty bytes".to_owned())
+    });
+    drop((client, live));
+    let live = Live::start(desk.path(), &["--serial", &lab.port]);
+    let now = names(&until(&mut live.client(), "the node's name", |m| {
+        m["type"] == "status" && names(m).contains(&"左手".to_owned())
+    }));
+    assert!(!now.contains(&before[0]) && now.contains(&before[1]), "{before:?} {now:?}");
+}
+
 #[test]
 fn what_cannot_be_is_said() {
     let desk = Desk::new();

@@ -2,7 +2,7 @@
 
 use serde_json::Value;
 
-use super::hub::{Hub, NODES_MAX};
+use super::hub::Hub;
 use super::node::Node;
 use super::scene::Key;
 
@@ -18,7 +18,7 @@ pub enum Command {
     Align(u32),
     /// The heading of a sensor without a body is this now, rad.
     Heading(u32, f64),
-    /// A node gets another name here.
+    /// A node gets another name.
     Name(String, String),
 }
 
@@ -67,15 +67,7 @@ impl Hub {
                     node.set_heading(yaw_rad);
                 }
             }
-            Command::Name(node, name) => {
-                let Some(found) = self.nodes.iter_mut().find(|known| known.name == node) else { return };
-                found.name.clone_from(&name);
-                let (place, own) = (found.place, found.own_name.clone());
-                if self.aliases.len() < NODES_MAX {
-                    self.aliases.insert(own, name.clone());
-                }
-                self.renamed(place, &name);
-            }
+            Command::Name(node, name) => self.name(&node, &name),
         }
     }
 

@@ -11,10 +11,11 @@ use serde_json::json;
 use shisei_core::Vec3;
 
 use super::board::Board;
-use super::input::{Arrival, Kind, State, ToHub, What, unix_ns};
+use super::input::{Arrival, Kind, Outbox, State, ToHub, What, unix_ns};
 use super::learn::{Learner, OpticalPast};
 use super::meter::{Latency, Rate};
 use super::mounting::Mounting;
+use super::naming::Naming;
 use super::node::Node;
 use super::output::Output;
 use super::recorder::{Record, Recorder};
@@ -38,6 +39,8 @@ pub(super) struct InputState {
     pub rate: Rate,
     pub lost: u64,
     pub bad: u64,
+    /// What is to be written to its ports; none where nothing can be.
+    pub outbox: Option<Outbox>,
 }
 
 /// One port of one input.
@@ -79,6 +82,8 @@ pub struct Hub {
     pub(super) learner: Learner,
     pub(super) board: Arc<Board>,
     pub(super) aliases: BTreeMap<String, String>,
+    /// Names that nodes were asked to take.
+    pub(super) namings: Vec<Naming>,
     /// Mounting of bodies' sensors as it was given, by the body's name.
     pub(super) known: BTreeMap<String, Mounting>,
     pub(super) started: Instant,
@@ -105,6 +110,7 @@ impl Hub {
             rate: Rate::default(),
             lost: 0,
             bad: 0,
+            outbox: None,
         });
         let mut hub = Hub {
             inputs: inputs.collect(),
@@ -119,6 +125,7 @@ impl Hub {
             learner: Learner::default(),
             board,
             aliases: BTreeMap::new(),
+            namings: Vec::new(),
             known: BTreeMap::new(),
             started: now,
             ended_inputs: 0,
@@ -137,6 +144,14 @@ impl Hub {
     /// How bodies' sensors sit on them, by the bodies' names.
     pub fn know(&mut self, mountings: BTreeMap<String, Mounting>) {
         self.known = mountings;
+    }
+
+    /// Where to put what an input is to write: receivers take commands, nothing else does.
+    pub fn reach(&mut self, input: usize, outbox: Outbox) {
+        let takes = |input: &&mut InputState| matches!(input.kind, Kind::Serial | Kind::Demo);
+        if let Some(input) = self.inputs.get_mut(input).filter(takes) {
+            input.outbox = Some(outbox);
+        }
     }
 
     /// All inputs have ended.

@@ -14,6 +14,7 @@ pub mod learn;
 pub mod merge;
 pub mod meter;
 pub mod mounting;
+mod naming;
 mod node;
 pub mod optics;
 pub mod output;

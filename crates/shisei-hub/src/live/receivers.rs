@@ -69,16 +69,10 @@ impl Hub {
         match item {
             Item::Sample(sample) => self.sample(port, &sample, arrival),
             Item::Node(info) => {
-                let alias = self.aliases.get(&info.name).cloned();
                 let Some(node) = self.node(port, info.node) else { return };
                 node.battery_v = (info.battery_mv > 0).then(|| f64::from(info.battery_mv) * 1e-3);
                 node.temperature_c = info.temperature_centi_c.map(|t| f64::from(t) * 0.01);
-                if !info.name.is_empty() && node.own_name != info.name {
-                    node.own_name.clone_from(&info.name);
-                    node.name = alias.unwrap_or(info.name);
-                    let (name, place) = (node.name.clone(), node.place);
-                    self.renamed(place, &name);
-                }
+                self.own_name((port, info.node), &info.name);
             }
             Item::Lost(place, count) => {
                 if let Some(node) = self.node(port, place) {
@@ -100,21 +94,9 @@ impl Hub {
                 self.note("warning", "the receiver started anew", "レシーバが再起動しました");
                 self.uncouple(port);
             }
-            Item::Event(_) | Item::Hello(_) | Item::Garbage => {}
+            Item::Event(event) => self.refused(port, &event),
+            Item::Hello(_) | Item::Garbage => {}
         }
-    }
-
-    /// A name of a node has changed.
-    pub(super) fn renamed(&mut self, place: (usize, u8), name: &str) {
-        let Some(index) = self.nodes.iter().position(|node| node.place == place) else { return };
-        let body = self.nodes[index].body;
-        if let Some(object) = self.scene.get_mut(Key::Node(index)) {
-            name.clone_into(&mut object.name);
-        }
-        if let Some(object) = body.and_then(|body| self.scene.get_mut(Key::Body(body))) {
-            object.node = Some(name.to_owned());
-        }
-        self.scene.changed = true;
     }
 
     fn sample(&mut self, port: usize, sample: &Sample, arrival: &Arrival) {

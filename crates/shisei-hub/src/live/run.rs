@@ -56,6 +56,7 @@ pub fn run(
     hub.know(parts.known);
     for (index, input) in parts.inputs.into_iter().enumerate() {
         let line = Line::new(index, to_hub.clone(), Arc::clone(stop));
+        hub.reach(index, line.outbox().clone());
         std::thread::spawn(move || input.run(&line));
     }
     drop(to_hub);

@@ -78,6 +78,7 @@ impl Hub {
         self.vanish(now);
         self.learn(now);
         self.look_after_recording();
+        self.look_after_names(now);
         if self.scene.changed {
             self.scene.changed = false;
             let scene = self.scene.message().to_string();
