@@ -173,6 +173,11 @@ impl Merger {
         &self.bridge
     }
 
+    /// Samples that wait for frames.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
     /// From now on [`Merger::taken`] tells what is taken, or no longer.
     pub fn keep_taken(&mut self, keep: bool) {
         self.taken = keep.then(|| (Vec::new(), i64::MIN));

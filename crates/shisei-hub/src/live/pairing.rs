@@ -110,6 +110,7 @@ impl Hub {
             }
             node.past.clear();
             node.merger = None;
+            node.merging.clear();
             node.asked = None;
             node.sync_s = None;
         }

@@ -120,15 +120,16 @@ impl Hub {
         if let Some(merger) = &mut node.merger {
             let mut moved = Vec::new();
             merger.sample(sample, &mut moved);
+            node.merging.extend(came);
             self.moved(index, &moved, arrival);
         } else {
             let shown = node.alone(sample, arrival.at);
             let name = node.name.clone();
             self.scene.object(Key::Node(index), &name).shown = Some(shown);
+            if let Some(came) = came {
+                self.latency.add(came.elapsed());
+            }
         }
         self.fresh = true;
-        if let Some(came) = came {
-            self.latency.add(came.elapsed());
-        }
     }
 }

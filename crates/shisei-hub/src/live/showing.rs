@@ -21,9 +21,21 @@ const NO_FRAMES: Duration = Duration::from_millis(100);
 const SILENT: Duration = Duration::from_secs(2);
 
 impl Hub {
+    /// How long the samples took that a node's merger has taken now.
+    fn merged(&mut self, node: usize) {
+        let Some(node) = self.nodes.get_mut(node) else { return };
+        let waiting = node.merger.as_ref().map_or(0, |merger| merger.waiting());
+        while node.merging.len() > waiting
+            && let Some(came) = node.merging.pop_front()
+        {
+            self.latency.add(came.elapsed());
+        }
+    }
+
     /// A body has moved as its sensor says.
     pub(super) fn moved(&mut self, node: usize, moved: &[Moved], arrival: &Arrival) {
         self.smooth_on(node, arrival.unix_ns);
+        self.merged(node);
         let Some(body) = self.nodes.get(node).and_then(|node| node.body) else { return };
         let trust_s = self.settings.position_trust_s;
         let Some(object) = self.scene.get_mut(Key::Body(body)) else { return };
