@@ -4,7 +4,9 @@
 //! to `cameras`, wishes to `command`. `pairing` brings sensors and bodies together, `showing` tells clients.
 
 use std::collections::BTreeMap;
+use std::io;
 use std::sync::Arc;
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
@@ -79,6 +81,8 @@ pub struct Hub {
     pub(super) latency: Latency,
     pub(super) outputs: Vec<Box<dyn Output>>,
     pub(super) recorder: Option<Recorder>,
+    /// Recordings that are being written to their end.
+    pub(super) ending: Vec<(String, JoinHandle<io::Result<()>>)>,
     pub(super) learner: Learner,
     pub(super) board: Arc<Board>,
     pub(super) aliases: BTreeMap<String, String>,
@@ -122,6 +126,7 @@ impl Hub {
             latency: Latency::default(),
             outputs,
             recorder: None,
+            ending: Vec::new(),
             learner: Learner::default(),
             board,
             aliases: BTreeMap::new(),
@@ -250,10 +255,5 @@ impl Hub {
         if let Some(recorder) = &self.recorder {
             recorder.give(Record::Note(en.to_owned(), unix_ns()));
         }
-    }
-
-    /// The end: recordings are closed.
-    pub fn finish(&mut self) {
-        self.record(false);
     }
 }

@@ -207,8 +207,19 @@ impl Hub {
         } else if let Some(recorder) = self.recorder.take() {
             let mergers = self.nodes.iter_mut().filter_map(|node| node.merger.as_mut());
             mergers.for_each(|merger| merger.keep_taken(false));
-            let file = recorder.file();
-            match recorder.end() {
+            // what still waits is written while the stream goes on
+            self.ending.push((recorder.file(), std::thread::spawn(move || recorder.end())));
+        }
+    }
+
+    /// Tells of recordings that were ended and are written, with `all` of those that are not yet.
+    fn told_ended(&mut self, all: bool) {
+        let (over, ending) = std::mem::take(&mut self.ending)
+            .into_iter()
+            .partition::<Vec<_>, _>(|(_, thread)| all || thread.is_finished());
+        self.ending = ending;
+        for (file, thread) in over {
+            match thread.join().unwrap_or_else(|_| Err(io::Error::other("recording"))) {
                 Ok(()) => self.note("info", &format!("recorded: {file}"), &format!("記録しました：{file}")),
                 Err(error) => self.note(
                     "error",
@@ -217,6 +228,12 @@ impl Hub {
                 ),
             }
         }
+    }
+
+    /// The end: recordings are closed.
+    pub fn finish(&mut self) {
+        self.record(false);
+        self.told_ended(true);
     }
 
     /// While it is recorded, a node on a body is also estimated with a delay.
@@ -250,5 +267,6 @@ impl Hub {
         if self.recorder.as_ref().is_some_and(Recorder::failed) {
             self.record(false);
         }
+        self.told_ended(false);
     }
 }
