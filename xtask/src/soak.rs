@@ -1,4 +1,4 @@
-//! `cargo xtask soak live [MINUTES]`: the demonstration for a while; memory and load must stay as they were.
+//! `cargo xtask soak live [MINUTES]`: the demonstration for a while, recorded; memory and load must stay as they were.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -40,9 +40,18 @@ fn look(pid: u32) -> Option<(f64, f64)> {
 
 /// Runs the demonstration for so many seconds. What was seen, or why it is not flat.
 pub fn watch(shisei: &Path, seconds: u64) -> Result<String, String> {
+    let take = std::env::temp_dir().join(format!("shisei-soak-{}.mcap", std::process::id()));
+    let outcome = watch_recording(shisei, seconds, &take);
+    // it may not have begun
+    let _ = std::fs::remove_file(&take);
+    outcome
+}
+
+fn watch_recording(shisei: &Path, seconds: u64, take: &Path) -> Result<String, String> {
     let mut child = Command::new(shisei)
         .args(["live", "--demo", "--listen", "127.0.0.1:0", "--osc", "127.0.0.1:9"])
-        .args(["--natnet-out", "127.0.0.1:0:0", "--for", &seconds.to_string()])
+        .args(["--natnet-out", "127.0.0.1:0:0", "--for", &seconds.to_string(), "--record"])
+        .arg(take)
         .stdout(Stdio::null())
         .stderr(Stdio::null())
         .spawn()

@@ -288,8 +288,8 @@ function where(body: Body): { x: number; y: number } {
 // For tests: what is on the screen, as numbers.
 declare global {
   interface Window {
-    shisei: { world: World; pace: Pace; status: () => Status | null; where: (body: Body) => { x: number; y: number } };
+    shisei: { world: World; pace: Pace; status: () => Status | null; where: (body: Body) => { x: number; y: number }; blank: () => void };
   }
 }
-window.shisei = { world, pace, status: () => status, where };
+window.shisei = { world, pace, status: () => status, where, blank: () => stage?.scene.clear() };
 document.documentElement.dataset["ready"] = "";

@@ -26,6 +26,11 @@ export class Pace {
     return { fps: (1000 * held) / sum, work_ms: work[held >> 1]! };
   }
 
+  /** Frames since the last clearing. */
+  frames(): number {
+    return this.count;
+  }
+
   clear(): void {
     this.count = 0;
     this.last_ms = 0;

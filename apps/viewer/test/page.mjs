@@ -1,5 +1,5 @@
 // What the browser checks share: a Chromium, counting, looking at pixels.
-import { existsSync, mkdirSync } from "node:fs";
+import { existsSync, mkdirSync, readdirSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { chromium } from "playwright-core";
 
@@ -104,3 +104,23 @@ export const inked = (page, variable) => page.evaluate((variable) => new Promise
     done(count);
   });
 }), variable);
+
+/** Processor time of the browser's graphics process so far, ms; NaN where the system does not tell. */
+export function graphics_ms() {
+  if (!existsSync("/proc/self/stat")) return NaN;
+  const all = new Map();
+  for (const pid of readdirSync("/proc").filter((name) => /^\d+$/.test(name))) {
+    try {
+      const stat = readFileSync(`/proc/${pid}/stat`, "utf8");
+      // behind the name in brackets: parent, then times in ticks of 10 ms
+      const fields = stat.slice(stat.lastIndexOf(")") + 2).split(" ");
+      all.set(pid, { parent: fields[1], ms: 10 * (Number(fields[11]) + Number(fields[12])), command: readFileSync(`/proc/${pid}/cmdline`, "utf8") });
+    } catch {
+      // it has ended meanwhile
+    }
+  }
+  const ours = (pid) => pid === String(process.pid) || (all.has(pid) && ours(all.get(pid).parent));
+  let sum = 0;
+  for (const [pid, { ms, command }] of all) if (command.includes("--type=gpu-process") && ours(pid)) sum += ms;
+  return sum;
+}

@@ -1,5 +1,6 @@
 //! The command line of `devices`, `record`, `live` and `simulate`.
 
+use std::net::Ipv4Addr;
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
@@ -71,12 +72,18 @@ pub struct Live {
     /// Record from the start; without it, recordings begun in the viewer go to shisei-live.mcap
     #[arg(long, value_name = "TAKE.mcap")]
     pub record: Option<PathBuf>,
+    /// How long the recorded estimate /smoothed waits for what comes next, s, 0.5 to 3: gaps of half of it come out as `shisei fuse` fills them
+    #[arg(long, value_name = "S", default_value_t = 2.0)]
+    pub lag: f64,
     /// Address of the viewer, ADDR or ADDR:PORT; another than this machine's needs the token that is printed
     #[arg(long, value_name = "ADDR")]
     pub listen: Option<String>,
     /// Give the fused bodies out as Motive would, to existing clients: this machine's address and two ports (1510, 1511)
     #[arg(long, value_name = "ADDR[:CMD:DATA]")]
     pub natnet_out: Option<String>,
+    /// With --natnet-out: send to a multicast group, as Motive does unless told otherwise, on the network of that address
+    #[arg(long, value_name = "GROUP", num_args = 0..=1, default_missing_value = "239.255.42.99", requires = "natnet_out")]
+    pub natnet_multicast: Option<Ipv4Addr>,
     /// Send poses over OSC (and VMC trackers and bones) to ADDR:PORT
     #[arg(long, value_name = "ADDR:PORT")]
     pub osc: Option<String>,

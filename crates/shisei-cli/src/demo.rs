@@ -12,6 +12,8 @@ use shisei_twin::stage::{self, BONES, Carrier, Stage};
 
 /// From one look at everything to the next.
 const LOOK: Duration = Duration::from_millis(4);
+/// The laboratory's time goes on in steps; after a pulse by as much as brings the pulse out, s.
+const AFTER_PULSE_S: f64 = 1e-3;
 /// What the cameras' count is ahead of the receiver's.
 const COUNT_AHEAD: i32 = 41_233;
 /// Ticks of the simulated Motive's clock a second, Hz, and what it shows at the start, s.
@@ -31,6 +33,7 @@ pub struct Demo {
     lab: Lab,
     stage: Stage,
     version: natnet::Version,
+    camera_hz: f64,
 }
 
 impl Demo {
@@ -80,7 +83,9 @@ impl Demo {
                 &[[0.0, 0.0, 0.3], [0.0, 0.06, 0.2], [0.0, -0.05, 0.1], [0.04, 0.0, 0.0]],
             ),
         ];
-        Demo { lab: Lab::new(settings), stage: Stage::new(stage, carriers), version: natnet::Version::V4_1 }
+        let camera_hz = settings.camera_hz;
+        let (lab, stage) = (Lab::new(settings), Stage::new(stage, carriers));
+        Demo { lab, stage, version: natnet::Version::V4_1, camera_hz }
     }
 
     fn server(&self) -> Vec<u8> {
@@ -178,8 +183,14 @@ impl Input for Demo {
         line.give(&motive, What::NatNet(self.server()));
         let started = Instant::now();
         while !line.stopped() {
+            while let Some((_, bytes)) = line.outbox().fetch() {
+                self.lab.command(&bytes);
+            }
             let time_s = started.elapsed().as_secs_f64();
-            self.lab.run_to(time_s);
+            // up to the newest pulse: when this thread comes late, on a machine that is busy, no sample shall wait
+            // for a pulse that the receiver would have sent in time
+            let pulse_s = (time_s * self.camera_hz).floor() / self.camera_hz;
+            self.lab.run_to(pulse_s + AFTER_PULSE_S);
             let mut bytes = Vec::new();
             self.lab.serial(&mut bytes);
             if !bytes.is_empty() && !line.give(&receiver, What::Serial(bytes)) {

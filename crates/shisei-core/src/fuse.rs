@@ -8,7 +8,9 @@
 //! attitude as the mean of a Gauss–Markov process that is known at both ends.
 //!
 //! Markers of the body that are seen while it is lost hold its position ([`markers`], [`fuse_with_markers`]).
+//! [`delayed`] does the same to a stream, a second or two late.
 
+pub mod delayed;
 pub mod markers;
 pub mod relative;
 

@@ -8,6 +8,8 @@
 //! | `/optical/BODY` | a body as the cameras saw it, `geometry_msgs/msg/PoseStamped`, z up |
 //! | `/pose/BODY` | the body as it was given out, the same |
 //! | `/fused/BODY` | the same with source, gap and expected errors, JSON |
+//! | `/smoothed/BODY` | as `/fused/BODY`, as it is known a little later: held at both ends of short gaps |
+//! | `/smoothed_pose/BODY` | as `/pose/BODY`, the same |
 //! | `/event` | what happened, JSON |
 //!
 //! With several receivers the nodes of the second and later ones are called `PORT-N`.
@@ -194,9 +196,18 @@ impl<W: Write> Take<W> {
 
     /// A body as it was given out at a time, ns since 1970.
     pub fn pose(&mut self, path: &str, shown: &Shown, unix_ns: u64) -> io::Result<()> {
+        self.fused(["/fused/", "/pose/"], path, shown, unix_ns)
+    }
+
+    /// The same as it is known a little later, at the time at which it was given out.
+    pub fn smoothed(&mut self, path: &str, shown: &Shown, unix_ns: u64) -> io::Result<()> {
+        self.fused(["/smoothed/", "/smoothed_pose/"], path, shown, unix_ns)
+    }
+
+    fn fused(&mut self, [fused, pose]: [&str; 2], path: &str, shown: &Shown, unix_ns: u64) -> io::Result<()> {
         let known = |value: f64, scale: f64| value.is_finite().then_some(value * scale);
         let p = shown.pose.position_m.map(|x| x.is_finite().then_some(x).filter(|_| shown.placed));
-        let fused = json!({
+        let row = json!({
             "time_s": known(shown.time_s, 1.0),
             "p_m": p,
             "q_wxyz": shown.pose.world_from_body.to_array(),
@@ -205,18 +216,13 @@ impl<W: Write> Take<W> {
             "sigma_deg": known(shown.sigma_rad, 1f64.to_degrees()),
             "sigma_mm": known(shown.sigma_m, 1e3),
         });
-        self.message(
-            &format!("/fused/{path}"),
-            Some(&FUSED),
-            unix_ns,
-            unix_ns,
-            fused.to_string().as_bytes(),
-        )?;
+        let row = row.to_string();
+        self.message(&format!("{fused}{path}"), Some(&FUSED), unix_ns, unix_ns, row.as_bytes())?;
         if !shown.placed {
             return Ok(());
         }
         let message = cdr::pose(&shown.pose, "world", unix_ns);
-        self.message(&format!("/pose/{path}"), Some(&POSE), unix_ns, unix_ns, &message)
+        self.message(&format!("{pose}{path}"), Some(&POSE), unix_ns, unix_ns, &message)
     }
 
     /// Something that the door noticed: a port that is gone or back.

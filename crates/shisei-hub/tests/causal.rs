@@ -1,20 +1,25 @@
 //! What the hub gives out live is the causal run on the same samples, bit for bit, however frames and samples arrive;
-//! and what that costs in gaps against the smoother, which knows what came after.
+//! and what that costs in gaps against the smoother, which knows what came after, and against the estimate with a
+//! delay, which is recorded.
 
 use shisei_core::alignment::Alignment;
 use shisei_core::estimator::{self, BridgeSettings, LiveBridge, OpticalPose};
 use shisei_core::frames::{Axes, Pose};
-use shisei_core::fuse::{FuseSettings, Fusion, Inertial, Optical, fuse};
+use shisei_core::fuse::delayed::DelayedSettings;
+use shisei_core::fuse::{FuseSettings, Fusion, Inertial, Optical, Source, fuse};
 use shisei_core::{Quaternion, Vec3, vector};
 use shisei_hub::Sample;
+use shisei_hub::live::lagged::{Lagged, Late, Smoothing};
 use shisei_hub::live::merge::{Clocking, Coupling, Merger, Moved, Seen};
+use shisei_hub::live::recorder::Record;
 use shisei_record::{Input, Options, Recording, open};
 use shisei_twin::optics::{Cameras, Rig, film};
 use shisei_twin::simulate::{Errors, Settings, simulate};
 use shisei_twin::{Motion, Random, Sensor, movements};
 use shisei_wire::packet::{FilterKind, Start};
 
-const OPTICS: BridgeSettings = BridgeSettings { attitude_rad: 0.0052, position_m: 0.003, lever_m: 0.005 };
+/// As the hub has it.
+const OPTICS: BridgeSettings = BridgeSettings { attitude_rad: 0.0075, position_m: 5e-4, lever_m: 0.005 };
 
 /// Frames and samples of one body, and how they belong together.
 struct Take {
@@ -129,6 +134,64 @@ fn live(take: &Take, order: &[Arrival]) -> Vec<Moved> {
     out
 }
 
+/// The estimate with a delay, of the same arrivals; begun after so many of them.
+fn late(take: &Take, order: &[Arrival], lag_s: f64, from: usize) -> Vec<Late> {
+    let mut merger = Merger::new(take.coupling, &OPTICS).expect("settings");
+    let settings = DelayedSettings { lag_s, optics: OPTICS, ..DelayedSettings::default() };
+    let (mut lagged, mut moved, mut out) = (None, Vec::new(), Vec::new());
+    for (count, arrival) in order.iter().enumerate() {
+        if count == from {
+            lagged = Some(Lagged::after(&merger, &settings).expect("settings"));
+            merger.keep_taken(true);
+        }
+        match *arrival {
+            Arrival::Frame(k) => merger.frame(take.frames[k], &mut moved),
+            Arrival::Sample(k) => merger.sample(&take.samples[k], &mut moved),
+        }
+        let taken = merger.taken();
+        if let Some(lagged) = &mut lagged {
+            taken.iter().for_each(|one| lagged.push(one, 0, &mut out));
+        }
+    }
+    merger.release(&mut moved);
+    let mut lagged = lagged.expect("enough arrivals");
+    merger.taken().iter().for_each(|one| lagged.push(one, 0, &mut out));
+    lagged.finish(&mut out);
+    out
+}
+
+/// The thread of a recording makes the same of it.
+fn recorded(take: &Take, order: &[Arrival], expected: &[Late]) {
+    let mut merger = Merger::new(take.coupling, &OPTICS).expect("settings");
+    let settings = DelayedSettings { optics: OPTICS, ..DelayedSettings::default() };
+    let (records, recorded) = std::sync::mpsc::channel();
+    let smoothing = Smoothing::start(records);
+    smoothing.begin(3, "Tool".into(), Lagged::after(&merger, &settings).expect("settings"));
+    merger.keep_taken(true);
+    let mut moved = Vec::new();
+    for (count, arrival) in order.iter().enumerate() {
+        match *arrival {
+            Arrival::Frame(k) => merger.frame(take.frames[k], &mut moved),
+            Arrival::Sample(k) => merger.sample(&take.samples[k], &mut moved),
+        }
+        smoothing.taken(3, merger.taken(), count as u64);
+    }
+    merger.release(&mut moved);
+    smoothing.taken(3, merger.taken(), order.len() as u64);
+    smoothing.end();
+    let expected: Vec<&Late> = expected.iter().filter(|late| late.frame.pose.is_some()).collect();
+    let recorded: Vec<Record> = recorded.iter().collect();
+    assert_eq!(recorded.len(), expected.len());
+    let mut last_ns = 0;
+    for (record, late) in recorded.into_iter().zip(expected) {
+        let Record::Smoothed(path, shown, came_ns) = record else { panic!("{record:?}") };
+        assert_eq!((path.as_str(), Some(shown.pose)), ("Tool", late.frame.pose));
+        assert_eq!((shown.time_s, shown.source), (late.time_s, late.frame.source));
+        assert!(shown.placed == (shown.source != Source::Inertial) && came_ns >= last_ns);
+        last_ns = came_ns;
+    }
+}
+
 fn assert_same(expected: &[(f64, estimator::Bridged)], found: &[Moved], what: &str) {
     assert_eq!(expected.len(), found.len(), "{what}");
     for ((time_s, bridged), moved) in expected.iter().zip(found) {
@@ -165,16 +228,32 @@ impl Errors2 {
     }
 }
 
-/// The live pose at a time between two samples.
-fn at(moved: &[Moved], time_s: f64) -> Option<Pose> {
-    let next = moved.partition_point(|m| m.time_s < time_s);
-    let (a, b) = (moved.get(next.checked_sub(1)?)?, moved.get(next)?);
-    let u = (time_s - a.time_s) / (b.time_s - a.time_s);
-    let step = vector::sub(b.pose.position_m, a.pose.position_m);
+/// Poses with their times.
+fn moved_poses(moved: &[Moved]) -> Vec<(f64, Pose)> {
+    moved.iter().map(|moved| (moved.time_s, moved.pose)).collect()
+}
+
+fn late_poses(late: &[Late]) -> Vec<(f64, Pose)> {
+    late.iter().filter_map(|late| Some((late.time_s, late.frame.pose?))).collect()
+}
+
+/// The pose at a time between two samples.
+fn at(poses: &[(f64, Pose)], time_s: f64) -> Option<Pose> {
+    let next = poses.partition_point(|(then_s, _)| *then_s < time_s);
+    let ((a_s, a), (b_s, b)) = (*poses.get(next.checked_sub(1)?)?, *poses.get(next)?);
+    let u = (time_s - a_s) / (b_s - a_s);
+    let step = vector::sub(b.position_m, a.position_m);
     Some(Pose {
-        position_m: vector::add(a.pose.position_m, vector::scale(step, u)),
-        world_from_body: Quaternion::slerp(a.pose.world_from_body, b.pose.world_from_body, u).normalized(),
+        position_m: vector::add(a.position_m, vector::scale(step, u)),
+        world_from_body: Quaternion::slerp(a.world_from_body, b.world_from_body, u).normalized(),
     })
+}
+
+/// Errors of poses in frames, root mean square: degrees and mm.
+fn errors(poses: &[(f64, Pose)], frames: impl Iterator<Item = (f64, Pose)>) -> (f64, f64) {
+    let mut errors = Errors2::default();
+    frames.for_each(|(time_s, truth)| errors.add(&at(poses, time_s).expect("bridged"), &truth));
+    errors.rms()
 }
 
 fn coupling(fusion: &Fusion, step_s: f64) -> Coupling {
@@ -232,19 +311,33 @@ fn a_simulated_take_in_any_order_of_arrival() {
             assert_same(&expected, &found, what);
         }
     }
+    // the estimate with a delay does not depend on arrivals either
+    let order = arrivals(&take, 1, (0.004, 0.006), (0.01, 0.045));
+    let delayed = late(&take, &order, 2.0, 0);
+    assert_eq!(delayed.len(), take.samples.len());
+    let other = late(&take, &arrivals(&take, 2, (0.03, 0.035), (0.0, 0.001)), 2.0, 0);
+    let from = delayed.partition_point(|late| late.frame.pose.is_none());
+    assert!(from < 200 && delayed[from..] == other[from..]);
+    recorded(&take, &order, &delayed);
     // what the delay of knowledge costs
-    let found = live(&take, &arrivals(&take, 1, (0.004, 0.006), (0.01, 0.045)));
-    let (mut causal, mut smoothed) = (Errors2::default(), Errors2::default());
-    for (k, frame) in filmed.iter().enumerate() {
-        if !lost_s.iter().any(|(from, to)| (*from..*to).contains(&frame.time_s)) {
-            continue;
-        }
-        causal.add(&at(&found, frame.time_s).expect("bridged"), &frame.truth);
-        smoothed.add(&fusion.frames[k].pose.expect("filled"), &frame.truth);
-    }
-    let (live_rms, smooth_rms) = (causal.rms(), smoothed.rms());
-    println!("gaps of 1 s, RMS degrees and mm: live {live_rms:.3?}, smoother {smooth_rms:.3?}");
+    let hidden = || {
+        let hidden = |time_s: f64| lost_s.iter().any(|(from, to)| (*from..*to).contains(&time_s));
+        filmed.iter().enumerate().filter(move |(_, frame)| hidden(frame.time_s))
+    };
+    let truth = || hidden().map(|(_, frame)| (frame.time_s, frame.truth));
+    let live_rms = errors(&moved_poses(&live(&take, &order)), truth());
+    let late_rms = errors(&late_poses(&delayed), truth());
+    let mut smoothed = Errors2::default();
+    hidden().for_each(|(k, frame)| smoothed.add(&fusion.frames[k].pose.expect("filled"), &frame.truth));
+    let smooth_rms = smoothed.rms();
+    println!(
+        "gaps of 1 s, RMS degrees and mm: live {live_rms:.3?}, 2 s later {late_rms:.3?}, smoother {smooth_rms:.3?}"
+    );
     assert!(live_rms.0 < 0.3 && live_rms.1 < 30.0, "{live_rms:?}");
+    assert!(
+        late_rms.0 <= 1.5 * smooth_rms.0 && late_rms.1 <= 1.5 * smooth_rms.1,
+        "{late_rms:?} {smooth_rms:?}"
+    );
     assert!(motion.duration_s() > 45.0);
 }
 
@@ -296,28 +389,38 @@ fn broad_as_live_streams_with_occlusions() {
                 .collect(),
             coupling: coupling(&fusion, step_s),
         };
-        let most = take.samples.partition_point(|s| s.time_s < Some(120.0));
+        let most = take.samples.partition_point(|s| s.time_s < Some(240.0));
         let short = Take {
             frames: take.frames[..most].to_vec(),
             samples: take.samples[..most].to_vec(),
             coupling: take.coupling,
         };
-        let found = live(&short, &arrivals(&short, 1, (0.004, 0.012), (0.01, 0.045)));
+        let order = arrivals(&short, 1, (0.004, 0.012), (0.01, 0.045));
+        let found = live(&short, &order);
         assert_same(&causal(&short), &found, name);
-        let (mut causal, mut smoothed) = (Errors2::default(), Errors2::default());
-        for k in (0..most).filter(|k| hidden(*k)) {
-            let (Some(truth), Some(live), Some(filled)) =
-                (truth[k], at(&found, time_s[k]), fusion.frames[k].pose)
-            else {
-                continue;
-            };
-            causal.add(&live, &truth);
-            smoothed.add(&filled, &truth);
+        let known = |k: usize| Some((k, (time_s[k], truth[k]?)));
+        let rows: Vec<(usize, (f64, Pose))> =
+            (0..most - 10).filter(|k| hidden(*k)).filter_map(known).collect();
+        assert!(rows.len() > 1000);
+        let frames = || rows.iter().map(|(_, frame)| *frame);
+        let live_rms = errors(&moved_poses(&found), frames());
+        let mut smoothed = Errors2::default();
+        for (k, (_, truth)) in &rows {
+            smoothed.add(&fusion.frames[*k].pose.expect("filled"), truth);
         }
-        let (live_rms, smooth_rms) = (causal.rms(), smoothed.rms());
+        let smooth_rms = smoothed.rms();
         println!("{name}, gaps of 1 s, RMS degrees and mm: live {live_rms:.2?}, smoother {smooth_rms:.2?}");
-        assert!(causal.count > 1000.0);
         // the smoother knows both ends: live is worse, and must still be a pose
         assert!(live_rms.0 < 1.0 && live_rms.1 < 100.0, "{live_rms:?}");
+        for lag_s in [0.5, 1.0, 2.0] {
+            // begun as a recording is: in the middle of things, here 20 s after the start
+            let late = late(&short, &order, lag_s, order.len() / 12);
+            let late_rms = errors(&late_poses(&late), frames());
+            println!("  {lag_s} s later: {late_rms:.2?}");
+            if lag_s >= 2.0 {
+                let well = late_rms.0 <= 1.5 * smooth_rms.0 && late_rms.1 <= 1.5 * smooth_rms.1;
+                assert!(well, "{lag_s} s: {late_rms:?}, smoother {smooth_rms:?}");
+            }
+        }
     }
 }

@@ -231,6 +231,26 @@ fn client_and_server_over_sockets() {
     assert_eq!(last.bodies[0].position_m, [1.0, 3.0, -2.0]);
     assert!(frames.windows(2).all(|two| two[1].number == two[0].number + 1));
 
+    // the cameras stop: sensors go on, and numbers ascend also when a frame comes late after all
+    let stopped = Instant::now();
+    let mut numbers = Vec::new();
+    while stopped.elapsed() < Duration::from_millis(400) {
+        if stopped.elapsed() > Duration::from_millis(300) {
+            number += 1;
+        }
+        server.poses(&scene, Some(number), number as f64 / 120.0);
+        std::thread::sleep(Duration::from_millis(2));
+        for message in arrivals.try_iter() {
+            let ToHub::Arrival(arrival) = message else { continue };
+            if let What::NatNet(bytes) = arrival.what
+                && let Ok(Told::Frame(frame)) = stream.push(&bytes)
+            {
+                numbers.push(frame.number);
+            }
+        }
+    }
+    assert!(numbers.len() > 10 && numbers.windows(2).all(|two| two[1] == two[0] + 1), "{numbers:?}");
+
     // the server ends and another takes its place
     drop(server);
     let mut lost = false;

@@ -29,8 +29,8 @@ def drain(client):
         pass
 
 
-def read(command, data, version):
-    client = NatNetClient(command_port=command, data_port=data, use_multicast=False)
+def read(command, data, version, multicast=False):
+    client = NatNetClient(command_port=command, data_port=data, use_multicast=multicast)
     frames, models = [], []
     client.on_data_frame_received_event.handlers.append(frames.append)
     client.on_data_description_received_event.handlers.append(models.append)
@@ -49,37 +49,53 @@ def read(command, data, version):
     return frames, models
 
 
-def main():
-    shisei = sys.argv[1]
+def check(what, frames, models):
+    assert len(frames) >= 200, f"{what}: {len(frames)} frames"
+    numbers = [frame.prefix.frame_number for frame in frames]
+    steps = {b - a for a, b in zip(numbers, numbers[1:])}
+    assert steps == {1}, f"{what}: steps {steps}"
+    last = frames[-1]
+    assert len(last.rigid_bodies) == 3, last.rigid_bodies
+    assert any(body.tracking_valid for body in last.rigid_bodies)
+    assert len(last.skeletons) == 1 and len(last.skeletons[0].rigid_bodies) == 11
+    names = {body.name for body in models[-1].rigid_bodies}
+    assert {"Tool 1", "Board", "Wand"} <= {n.decode() if isinstance(n, bytes) else n for n in names}, names
+    print(f"NatNet {what}: {len(frames)} frames, {len(models)} descriptions")
+
+
+def serve(shisei, options):
     command, data, page = free_port(socket.SOCK_DGRAM), free_port(socket.SOCK_DGRAM), free_port(socket.SOCK_STREAM)
+    out = ["--natnet-out", f"127.0.0.1:{command}:{data}", *options]
     process = subprocess.Popen(
-        [shisei, "live", "--demo", "--listen", f"127.0.0.1:{page}", "--natnet-out", f"127.0.0.1:{command}:{data}"],
+        [shisei, "live", "--demo", "--listen", f"127.0.0.1:{page}", *out],
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
         text=True,
     )
+    process.stdout.readline()
+    time.sleep(1.5)
+    return process, command, data
+
+
+def main():
+    shisei = sys.argv[1]
+    passed = 0
+    process, command, data = serve(shisei, [])
     try:
-        process.stdout.readline()
-        time.sleep(1.5)
-        passed = 0
         for version in [Version(4, 1), Version(4, 0), Version(3, 1), Version(3, 0)]:
-            frames, models = read(command, data, version)
-            assert len(frames) >= 200, f"{version}: {len(frames)} frames"
-            numbers = [frame.prefix.frame_number for frame in frames]
-            steps = {b - a for a, b in zip(numbers, numbers[1:])}
-            assert steps == {1}, f"{version}: steps {steps}"
-            last = frames[-1]
-            assert len(last.rigid_bodies) == 3, last.rigid_bodies
-            assert any(body.tracking_valid for body in last.rigid_bodies)
-            assert len(last.skeletons) == 1 and len(last.skeletons[0].rigid_bodies) == 11
-            names = {body.name for body in models[-1].rigid_bodies}
-            assert {"Tool 1", "Board", "Wand"} <= {n.decode() if isinstance(n, bytes) else n for n in names}, names
-            print(f"NatNet {version}: {len(frames)} frames, {len(models)} descriptions")
+            check(version, *read(command, data, version))
             passed += 1
-        print(f"{passed} passed, 0 failed")
     finally:
         process.terminate()
         process.wait()
+    process, command, data = serve(shisei, ["--natnet-multicast"])
+    try:
+        check("4.1, multicast", *read(command, data, Version(4, 1), multicast=True))
+        passed += 1
+    finally:
+        process.terminate()
+        process.wait()
+    print(f"{passed} passed, 0 failed")
 
 
 if __name__ == "__main__":

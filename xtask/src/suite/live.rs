@@ -8,7 +8,7 @@ use crate::tally;
 
 pub const SUITE: Suite = Suite {
     name: "live",
-    about: "the demonstration's NatNet, read by an independent client in four versions; a minute of soak",
+    about: "the demonstration's NatNet, read by an independent client in four versions and by multicast; a minute of soak",
     needs: |_| Needs { pip: vec!["natnet"], ..Needs::default() },
     wants: |_| Needs::default(),
     run,

@@ -2,7 +2,7 @@
 // (vanished) and spots on the ground, as squares that a fragment shader rounds.
 
 import * as THREE from "three";
-import { Column } from "./column";
+import { Column, Parts } from "./column";
 
 export const enum Shape {
   Ball = 0,
@@ -61,17 +61,16 @@ export class Dots {
   private readonly place: Column;
   private readonly tint: Column;
   private readonly shape: Column;
-  private readonly geometry = new THREE.InstancedBufferGeometry();
+  private readonly parts: Parts;
   private readonly material: THREE.ShaderMaterial;
   private count = 0;
 
-  constructor(private readonly most: number, solid: boolean, order: number) {
-    const square = new THREE.PlaneGeometry(2, 2);
-    this.geometry.index = square.index;
-    this.geometry.setAttribute("position", square.getAttribute("position"));
-    this.place = new Column(this.geometry, "place", 4, most, true);
-    this.tint = new Column(this.geometry, "tint", 4, most, true);
-    this.shape = new Column(this.geometry, "shape", 1, most, true);
+  constructor(private readonly most: number, solid: boolean, order: number, instanced: boolean) {
+    this.parts = new Parts(new THREE.PlaneGeometry(2, 2), most, instanced);
+    const { geometry, corners } = this.parts;
+    this.place = new Column(geometry, "place", 4, most, corners);
+    this.tint = new Column(geometry, "tint", 4, most, corners);
+    this.shape = new Column(geometry, "shape", 1, most, corners);
     this.material = new THREE.ShaderMaterial({
       vertexShader: VERTEX,
       fragmentShader: FRAGMENT,
@@ -79,7 +78,7 @@ export class Dots {
       depthWrite: solid,
       uniforms: { pixel: { value: 0.001 } },
     });
-    this.mesh = new THREE.Mesh(this.geometry, this.material);
+    this.mesh = new THREE.Mesh(geometry, this.material);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = order;
   }
@@ -108,7 +107,7 @@ export class Dots {
   }
 
   finish(): void {
-    this.geometry.instanceCount = this.count;
+    this.parts.show(this.count);
     this.place.upload(this.count);
     this.tint.upload(this.count);
     this.shape.upload(this.count);

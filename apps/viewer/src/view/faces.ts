@@ -11,8 +11,8 @@ export class Faces {
   private count = 0;
 
   constructor(private readonly most: number) {
-    this.place = new Column(this.geometry, "position", 3, 3 * most, false);
-    this.tint = new Column(this.geometry, "tint", 4, 3 * most, false);
+    this.place = new Column(this.geometry, "position", 3, 3 * most, 1);
+    this.tint = new Column(this.geometry, "tint", 4, 3 * most, 1);
     const material = new THREE.ShaderMaterial({
       vertexShader: "attribute vec4 tint; varying vec4 vTint; void main() { vTint = tint; gl_Position = projectionMatrix * viewMatrix * vec4(position, 1.); }",
       fragmentShader: "varying vec4 vTint; void main() { gl_FragColor = vTint; }",

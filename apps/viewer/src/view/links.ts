@@ -3,7 +3,7 @@
 
 import * as THREE from "three";
 import type { Pattern } from "../source";
-import { Column } from "./column";
+import { Column, Parts } from "./column";
 
 const VERTEX = /* glsl */ `
 attribute vec4 start; attribute vec4 end; attribute vec4 tint; attribute float pattern;
@@ -37,28 +37,27 @@ void main() {
   gl_FragColor = vec4(vTint.rgb * vShade, vTint.a);
 }`;
 
-const ROUND = 8;
-
 export class Links {
   readonly mesh: THREE.Mesh;
   private readonly start: Column;
   private readonly end: Column;
   private readonly tint: Column;
   private readonly pattern: Column;
-  private readonly geometry = new THREE.InstancedBufferGeometry();
+  private readonly parts: Parts;
   private readonly material: THREE.ShaderMaterial;
   private count = 0;
 
-  constructor(private readonly most: number) {
-    const bar = new THREE.CylinderGeometry(1, 1, 1, ROUND, 1, true).rotateX(Math.PI / 2).translate(0, 0, 0.5);
-    this.geometry.index = bar.index;
-    this.geometry.setAttribute("position", bar.getAttribute("position"));
-    this.start = new Column(this.geometry, "start", 4, most, true);
-    this.end = new Column(this.geometry, "end", 4, most, true);
-    this.tint = new Column(this.geometry, "tint", 4, most, true);
-    this.pattern = new Column(this.geometry, "pattern", 1, most, true);
+  /** Room for `most` bars of so many sides. */
+  constructor(private readonly most: number, sides: number, instanced: boolean) {
+    const bar = new THREE.CylinderGeometry(1, 1, 1, sides, 1, true).rotateX(Math.PI / 2).translate(0, 0, 0.5);
+    this.parts = new Parts(bar, most, instanced);
+    const { geometry, corners } = this.parts;
+    this.start = new Column(geometry, "start", 4, most, corners);
+    this.end = new Column(geometry, "end", 4, most, corners);
+    this.tint = new Column(geometry, "tint", 4, most, corners);
+    this.pattern = new Column(geometry, "pattern", 1, most, corners);
     this.material = new THREE.ShaderMaterial({ vertexShader: VERTEX, fragmentShader: FRAGMENT, transparent: true, uniforms: { pixel: { value: 0.001 } } });
-    this.mesh = new THREE.Mesh(this.geometry, this.material);
+    this.mesh = new THREE.Mesh(geometry, this.material);
     this.mesh.frustumCulled = false;
     this.mesh.renderOrder = 2;
   }
@@ -94,7 +93,7 @@ export class Links {
   }
 
   finish(): void {
-    this.geometry.instanceCount = this.count;
+    this.parts.show(this.count);
     this.start.upload(this.count);
     this.end.upload(this.count);
     this.tint.upload(this.count);

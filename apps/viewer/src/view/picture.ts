@@ -13,6 +13,9 @@ import { Links } from "./links";
 import type { Stage } from "./stage";
 import { Trails } from "./trails";
 
+/** Sides of a round bar, and where every corner counts. */
+const SIDES = 8;
+const FEW_SIDES = 6;
 /** Radii at both ends, m, and how solid. */
 const bar = (from_m: number, to_m: number, solidity: number): Float32Array => new Float32Array([from_m, to_m, solidity]);
 const EDGE = bar(0.003, 0.003, 1);
@@ -65,13 +68,13 @@ const box = ([x, y, z]: readonly [number, number, number]): Point[] =>
   [-1, 1].flatMap((a) => [-1, 1].flatMap((b) => [-1, 1].map((c): Point => [a * x, b * y, c * z])));
 
 export class Picture {
-  private readonly links = new Links(12000);
-  private readonly dots = new Dots(12000, true, 3);
-  private readonly marks = new Dots(3000, false, 4);
-  private readonly spots = new Dots(1000, false, 1);
+  private readonly links: Links;
+  private readonly dots: Dots;
+  private readonly marks: Dots;
+  private readonly spots: Dots;
   private readonly faces = new Faces(8000);
   private readonly trails = new Trails(100);
-  private readonly ground = new Ground();
+  private readonly ground: Ground;
   private forms: Form[] = [];
   private looks: readonly Look[] = [];
   private theme: Theme = "light";
@@ -85,6 +88,12 @@ export class Picture {
   private crowded = false;
 
   constructor(private readonly stage: Stage, private readonly world: World, private readonly settings: Settings) {
+    const card = !stage.bySoftware;
+    this.links = new Links(12000, card ? SIDES : FEW_SIDES, card);
+    this.dots = new Dots(12000, true, 3, card);
+    this.marks = new Dots(3000, false, 4, card);
+    this.spots = new Dots(1000, false, 1, card);
+    this.ground = new Ground(stage.bySoftware);
     stage.scene.add(this.ground.mesh, this.spots.mesh, this.faces.mesh, this.trails.lines, this.links.mesh, this.dots.mesh, this.marks.mesh);
   }
 

@@ -34,6 +34,8 @@ export class Stage {
   readonly camera = new THREE.PerspectiveCamera(FOV_DEG, 1, 0.02, 200);
   readonly renderer: THREE.WebGLRenderer;
   readonly controls: OrbitControls;
+  /** No graphics card: what is drawn is drawn with less. */
+  readonly bySoftware = drawnBySoftware();
   width = 1;
   height = 1;
   /** Size of a CSS pixel at a distance of 1. */
@@ -50,7 +52,7 @@ export class Stage {
 
   constructor(private readonly canvas: HTMLCanvasElement, resized: () => void) {
     this.resized = resized;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnBySoftware(), alpha: true, powerPreference: "high-performance" });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.bySoftware, alpha: true, powerPreference: "high-performance" });
     this.renderer.setClearColor(0x000000, 0);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(3, -3.8, 2.6);

@@ -23,8 +23,8 @@ export class Trails {
 
   constructor(bodies: number) {
     this.most = bodies * PIECES;
-    this.place = new Column(this.geometry, "position", 3, 2 * this.most, false);
-    this.tint = new Column(this.geometry, "tint", 4, 2 * this.most, false);
+    this.place = new Column(this.geometry, "position", 3, 2 * this.most, 1);
+    this.tint = new Column(this.geometry, "tint", 4, 2 * this.most, 1);
     const material = new THREE.ShaderMaterial({
       vertexShader: "attribute vec4 tint; varying vec4 vTint; void main() { vTint = tint; gl_Position = projectionMatrix * viewMatrix * vec4(position, 1.); }",
       fragmentShader: "varying vec4 vTint; void main() { gl_FragColor = vTint; }",

@@ -1,18 +1,17 @@
 //! `shisei devices`: serial ports, receivers and their nodes, and commands to nodes.
 
 use std::collections::BTreeMap;
-use std::io::{self, Write};
+use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
 use serde_json::json;
 use shisei_core::Lang;
-use shisei_hub::session::NodeInfo;
+use shisei_hub::session::{NodeInfo, command_bytes};
 use shisei_hub::{Item, Session, kept};
-use shisei_wire::frame::FRAME_MAX;
-use shisei_wire::message::{Command, EventCode, Hello, MESSAGE_MAX, NO_NODE, Settings};
+use shisei_wire::message::{Command, EventCode, Hello, NO_NODE, Settings};
 use shisei_wire::packet::FilterKind;
-use shisei_wire::{AccRange, Calibration, GyroRange, Message, encode_frame};
+use shisei_wire::{AccRange, Calibration, GyroRange};
 
 use super::ports::{Feed, Got, no_port};
 use crate::args_live::Devices;
@@ -160,14 +159,10 @@ impl Answer {
 fn ask(name: &str, commands: &[Command<'_>], lang: Lang) -> Outcome<Answer> {
     let failed = |error: &io::Error| no_port(name, error, lang);
     let mut feed = Feed::open(name).map_err(|error| failed(&error))?;
-    if let Feed::Port(port) = &mut feed {
+    if let Feed::Port(_) = &feed {
         for command in commands.iter().chain([&Command::Ask]) {
-            let (mut bytes, mut frame) = ([0; MESSAGE_MAX], [0; FRAME_MAX]);
-            let framed = Message::Command(*command)
-                .encode(&mut bytes)
-                .and_then(|length| encode_frame(bytes.get(..length).unwrap_or_default(), &mut frame));
-            let length = framed.map_err(|_| wrong_command(lang))?;
-            port.write_all(frame.get(..length).unwrap_or_default()).map_err(|error| failed(&error))?;
+            let bytes = command_bytes(*command).ok_or_else(|| wrong_command(lang))?;
+            feed.write(&bytes).map_err(|error| failed(&error))?;
         }
     }
     let (mut session, mut answer, mut items) = (Session::default(), Answer::default(), Vec::new());

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
@@ -37,6 +37,9 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
     if !(0.0..=1000.0).contains(&args.speed) {
         return Err(wrong("--speed", lang));
     }
+    if !(0.5..=3.0).contains(&args.lag) {
+        return Err(wrong("--lag", lang));
+    }
     let parts = Parts {
         inputs: inputs(&args, lang)?,
         outputs: outputs(&args, lang)?,
@@ -52,6 +55,7 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
         pairs: pairs.collect::<Outcome<_>>()?,
         record: args.record.clone().unwrap_or_else(|| PathBuf::from(RECORDING)),
         record_now: args.record.is_some(),
+        lag_s: args.lag,
         demo: args.demo,
         lang,
         ..Settings::default()
@@ -121,7 +125,14 @@ fn outputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Output>>> {
     let mut outputs: Vec<Box<dyn Output>> = Vec::new();
     if let Some(text) = &args.natnet_out {
         let (address, command, data) = natnet_address(text).ok_or_else(|| wrong("--natnet-out", lang))?;
-        let out = NatNetOut::new(address, command, data, Axes::YUp).map_err(|error| {
+        if args.natnet_multicast.is_some_and(|group| !group.is_multicast()) {
+            return Err(wrong("--natnet-multicast", lang));
+        }
+        let out = match args.natnet_multicast {
+            Some(group) => NatNetOut::multicast(address, command, SocketAddrV4::new(group, data), Axes::YUp),
+            None => NatNetOut::new(address, command, data, Axes::YUp),
+        };
+        let out = out.map_err(|error| {
             Failure::input(say(
                 lang,
                 format!("--natnet-out {text}: {error}; does Motive run here? choose other ports: {address}:1520:1521"),
@@ -229,7 +240,13 @@ impl Input for Serial {
                 continue;
             };
             line.give(&name, What::State(State::Connected));
+            // what was to be said before nobody waits for any more
+            while line.outbox().fetch().is_some() {}
             while !line.stopped() {
+                // a port that is gone says so when it is read
+                while let Some((_, bytes)) = line.outbox().fetch() {
+                    let _ = feed.write(&bytes);
+                }
                 match feed.read(&mut bytes) {
                     Ok(Got::Bytes(count)) => {
                         let bytes = bytes.get(..count).unwrap_or_default().to_vec();

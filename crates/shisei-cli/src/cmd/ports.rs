@@ -1,7 +1,7 @@
 //! What `devices`, `record` and `simulate` share: ports, times, an orderly stop.
 
 use std::fs::File;
-use std::io::{self, Read};
+use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -60,6 +60,14 @@ impl Feed {
                 Ok(Got::Nothing)
             }
             Err(error) => Err(error),
+        }
+    }
+
+    /// Writes to a port; a file takes nothing.
+    pub fn write(&mut self, bytes: &[u8]) -> io::Result<()> {
+        match self {
+            Feed::File(_) => Ok(()),
+            Feed::Port(port) => port.write_all(bytes),
         }
     }
 }

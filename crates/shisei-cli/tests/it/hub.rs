@@ -104,9 +104,16 @@ fn the_demonstration_is_shown_recorded_killed_and_played_again() {
     assert_eq!(status["nodes"].as_array().map(Vec::len), Some(4));
     assert_eq!(status["inputs"][0]["lost"], 0);
 
+    // a body is recorded once more when it is known what came next
+    let file = folder.join("shisei-live.mcap");
+    let (topic, asked) = (b"/smoothed/", Instant::now());
+    while !std::fs::read(&file).expect("the recording").windows(topic.len()).any(|bytes| bytes == topic) {
+        assert!(asked.elapsed() < PATIENCE, "nothing was smoothed");
+        std::thread::sleep(Duration::from_millis(300));
+    }
+
     // killed in the middle: what was recorded can be read, decoded anew and played
     live.child.kill().expect("killed");
-    let file = folder.join("shisei-live.mcap");
     let bytes = std::fs::read(&file).expect("the recording");
     let mut ports = std::collections::BTreeMap::new();
     shisei_hub::read::raw(&bytes, |port, _, part| *ports.entry(port.to_owned()).or_insert(0) += part.len())
@@ -153,6 +160,46 @@ fn parts_that_go_come_back_by_themselves() {
     assert!(bytes > 4_000, "{bytes}");
 }
 
+/// A name that is set in the viewer is in the node: it is there when the program is started anew.
+#[cfg(unix)]
+#[test]
+fn a_name_given_in_the_viewer_is_kept_by_the_node() {
+    let desk = Desk::new();
+    let lab = crate::live::Lab::start(&["--seed", "5"]);
+    let names = |m: &Value| -> Vec<String> {
+        let nodes = m["nodes"].as_array().into_iter().flatten();
+        nodes.filter_map(|node| node["name"].as_str().map(str::to_owned)).collect()
+    };
+    let both = |m: &Value| m["type"] == "status" && names(m).len() == 2;
+    let live = Live::start(desk.path(), &["--serial", &lab.port]);
+    let mut client = live.client();
+    let before = names(&until(&mut client, "both nodes", both));
+    let rename = |client: &mut WebSocket<TcpStream>, name: &str| {
+        // what it is called now, as the newest status says
+        let now = names(&until(client, "both nodes", both));
+        let message = serde_json::json!({"type": "name", "node": now[0], "name": name});
+        client.send(Message::text(message.to_string())).expect("sent");
+    };
+    rename(&mut client, "左手");
+    until(&mut client, "the node's answer", |m| {
+        m["type"] == "note" && m["level"] == "info" && m["ja"].as_str().is_some_and(|ja| ja.contains("左手"))
+    });
+    // a name that a node cannot keep is one here, and that is said
+    rename(&mut client, "a name of more than twenty bytes");
+    until(&mut client, "the note", |m| {
+        m["type"] == "note" && m["level"] == "warning" && m["en"].as_str().is_some_and(|en| en.contains("20"))
+    });
+    until(&mut client, "the name here", |m| {
+        m["type"] == "status" && names(m).contains(&"a name of more than twenty bytes".to_owned())
+    });
+    drop((client, live));
+    let live = Live::start(desk.path(), &["--serial", &lab.port]);
+    let now = names(&until(&mut live.client(), "the node's name", |m| {
+        m["type"] == "status" && names(m).contains(&"左手".to_owned())
+    }));
+    assert!(!now.contains(&before[0]) && now.contains(&before[1]), "{before:?} {now:?}");
+}
+
 #[test]
 fn what_cannot_be_is_said() {
     let desk = Desk::new();
@@ -160,8 +207,14 @@ fn what_cannot_be_is_said() {
         (&["live"][..], "--demo"),
         (&["live", "--demo", "--listen", "nowhere"], "--listen"),
         (&["live", "--demo", "--speed=-1"], "--speed"),
+        (&["live", "--demo", "--lag", "0.2"], "--lag"),
         (&["live", "--replay", "absent.mcap"], "absent.mcap"),
         (&["live", "--demo", "--natnet-out", "127.0.0.1:1"], "--natnet-out"),
+        (&["live", "--demo", "--natnet-multicast"], "--natnet-out"),
+        (
+            &["live", "--demo", "--natnet-out", "127.0.0.1:0:1511", "--natnet-multicast", "192.0.2.1"],
+            "--natnet-multicast",
+        ),
         (&["live", "--demo", "--pair", "x"], "--pair"),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_shisei"))

@@ -80,9 +80,7 @@ pub(crate) fn bridge_by_points(
     lengths(acc_m_s2, gyro_rad_s, dt)?;
     filter::same_length(acc_m_s2.len(), poses.len())?;
     check(settings)?;
-    positive("attitude_rad", optics.attitude_rad)?;
-    positive("position_m", optics.position_m)?;
-    positive("lever_m", optics.lever_m)?;
+    let noise = optics.noise()?;
     for (row, pose) in poses.iter().enumerate() {
         if let Some(pose) = pose {
             pose.world_from_body.try_normalized().map_err(|error| error.at_row(row))?;
@@ -101,11 +99,6 @@ pub(crate) fn bridge_by_points(
         .collect();
     let from_centre = |point: Point| Point { position_m: vector::sub(point.position_m, centre), ..point };
     let points: Vec<Points> = points.iter().map(|row| row.map(|point| point.map(from_centre))).collect();
-    let noise = OpticalNoise {
-        attitude_rad: optics.attitude_rad,
-        position_m: optics.position_m,
-        lever_m: optics.lever_m,
-    };
     let bounds = bounds(&poses, &points, dt);
     let mut recording = Recording {
         acc: acc_m_s2,
@@ -139,11 +132,27 @@ pub(crate) fn bridge_by_points(
 }
 
 /// Longest time between updates, s: each takes one pose.
-const UPDATE_S: f64 = 0.035;
+pub(super) const UPDATE_S: f64 = 0.035;
 
 /// Gaps from this length on have their motion bounded, and fully from the second, s.
 const BOUND_FROM_S: f64 = 10.0;
 const BOUND_FULL_S: f64 = 30.0;
+
+/// How strongly the motion is bounded in a gap of this length, 0 … 1.
+pub(super) fn bound(length_s: f64) -> f64 {
+    ((length_s - BOUND_FROM_S) / (BOUND_FULL_S - BOUND_FROM_S)).clamp(0.0, 1.0)
+}
+
+impl BridgeSettings {
+    /// Refused: noise that is not positive.
+    pub(super) fn noise(&self) -> Result<OpticalNoise> {
+        positive("attitude_rad", self.attitude_rad)?;
+        positive("position_m", self.position_m)?;
+        positive("lever_m", self.lever_m)?;
+        let BridgeSettings { attitude_rad, position_m, lever_m } = *self;
+        Ok(OpticalNoise { attitude_rad, position_m, lever_m })
+    }
+}
 
 /// Mean of the positions seen.
 fn centre(poses: &[Option<OpticalPose>]) -> Vec3 {
@@ -168,7 +177,7 @@ fn bounds(poses: &[Option<OpticalPose>], points: &[Points], dt: Dt<'_>) -> Vec<f
         }
         let end = (k..poses.len()).find(|&j| seen(j)).unwrap_or(poses.len());
         let length_s: f64 = (k..end).map(|j| dt.at(j)).filter(|step| step.is_finite()).sum();
-        out[k..end].fill(((length_s - BOUND_FROM_S) / (BOUND_FULL_S - BOUND_FROM_S)).clamp(0.0, 1.0));
+        out[k..end].fill(bound(length_s));
         k = end;
     }
     out

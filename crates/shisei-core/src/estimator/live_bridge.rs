@@ -4,6 +4,7 @@
 //! gap is bounded by how long it has lasted so far. So an error in a gap grows until the cameras are back, where the
 //! smoother's is held at both ends; docs/en/live.md has both in figures.
 
+use super::bridge::{UPDATE_S, bound};
 use super::engine::{OpticalNoise, OpticalPose, Sight};
 use super::guard::Sample;
 use super::model::{POS, STATES_WITH_LEVER};
@@ -12,16 +13,9 @@ use super::runner::{Event, Runner};
 use super::settings::Settings;
 use super::{BridgeSettings, Bridged};
 use crate::error::Result;
-use crate::filter::positive;
 use crate::math;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
-
-/// Longest time between updates, s: each takes one pose. As in [`super::bridge`].
-const UPDATE_S: f64 = 0.035;
-/// Gaps from this length on have their motion bounded, and fully from the second, s. As in [`super::bridge`].
-const BOUND_FROM_S: f64 = 10.0;
-const BOUND_FULL_S: f64 = 30.0;
 
 /// A rest is only used while the rate is nearer than this to the bias, rad/s (0.1 °/s): its end is found late, and
 /// the first of a movement must not pass for a bias that jumped.
@@ -45,20 +39,14 @@ impl LiveBridge {
     /// positive.
     pub fn new(optics: &BridgeSettings, settings: &Settings) -> Result<Self> {
         check(settings)?;
-        positive("attitude_rad", optics.attitude_rad)?;
-        positive("position_m", optics.position_m)?;
-        positive("lever_m", optics.lever_m)?;
+        let noise = optics.noise()?;
         let settings =
             Settings { update_s: settings.update_s.min(UPDATE_S), heading_sigma_share: 1.0, ..*settings };
         let unknown = core::f64::consts::PI * core::f64::consts::PI;
         let covariance = [[unknown, 0.0, 0.0], [0.0, unknown, 0.0], [0.0, 0.0, unknown]];
         Ok(LiveBridge {
             runner: Runner::new(&settings, [&settings.bridge], optics.lever_m),
-            noise: OpticalNoise {
-                attitude_rad: optics.attitude_rad,
-                position_m: optics.position_m,
-                lever_m: optics.lever_m,
-            },
+            noise,
             origin_m: None,
             placed: false,
             unseen_s: 0.0,
@@ -81,7 +69,7 @@ impl LiveBridge {
         }
         let step_s = if sample.dt_s > 0.0 && sample.dt_s < f64::INFINITY { sample.dt_s } else { 0.0 };
         self.unseen_s = if pose.is_some() { 0.0 } else { self.unseen_s + step_s };
-        let bound = ((self.unseen_s - BOUND_FROM_S) / (BOUND_FULL_S - BOUND_FROM_S)).clamp(0.0, 1.0);
+        let bound = bound(self.unseen_s);
         let density = if bound > 0.0 { 1.0 / bound } else { 0.0 };
         let model = &mut self.runner.engines[0].model;
         (model.speed_floor, model.position_spread) = (density, density);
@@ -102,6 +90,12 @@ impl LiveBridge {
     /// What is known now.
     pub fn bridged(&self) -> Bridged {
         self.bridged
+    }
+
+    /// What goes on in [`super::FixedLagBridge`]: filter, noise, the first position seen, whether the position
+    /// follows from one that was seen.
+    pub(super) fn parts(&self) -> (Runner<STATES_WITH_LEVER, 1>, OpticalNoise, Option<Vec3>, bool) {
+        (self.runner, self.noise, self.origin_m, self.placed)
     }
 
     /// A pose with its position counted from the first one.

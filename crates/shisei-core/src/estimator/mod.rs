@@ -9,6 +9,7 @@
 //! - [`FixedLag`]: live with a delay of up to a few seconds;
 //! - [`smooth`]: a recording;
 //! - [`bridge`]: a recording that an optical system sees most of the time; [`LiveBridge`]: the same live;
+//!   [`FixedLagBridge`]: the same with a delay of a few seconds;
 //! - [`Calibration`]: what was learnt of a sensor, to start from.
 // What the backward pass reads is written by the forward pass, which is there without an allocator too.
 #![cfg_attr(not(feature = "alloc"), allow(dead_code))]
@@ -24,6 +25,8 @@ mod engine;
 mod guard;
 #[cfg(feature = "alloc")]
 mod lag;
+#[cfg(feature = "alloc")]
+mod lag_bridge;
 mod level;
 mod light;
 #[cfg(feature = "alloc")]
@@ -51,6 +54,8 @@ pub(crate) use engine::{POINTS, Point, Points};
 pub use guard::Sample;
 #[cfg(feature = "alloc")]
 pub use lag::FixedLag;
+#[cfg(feature = "alloc")]
+pub use lag_bridge::FixedLagBridge;
 pub use light::LightEstimator;
 #[cfg(feature = "alloc")]
 pub use live_bridge::LiveBridge;

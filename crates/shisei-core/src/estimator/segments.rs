@@ -131,6 +131,18 @@ impl<const N: usize, const E: usize> Forward<N, E> {
         Forward { runner, next: 0, start: 0, started: false, given_up: false }
     }
 
+    /// Goes on from filters that have run elsewhere.
+    #[must_use]
+    pub(super) fn resumed(runner: Runner<N, E>) -> Self {
+        let started = runner.last_level.is_some();
+        Forward { started, ..Forward::new(runner) }
+    }
+
+    /// Samples are counted anew from here on, those of a segment under way too.
+    pub(super) fn count_anew(&mut self) {
+        (self.next, self.start) = (0, 0);
+    }
+
     /// Takes a sample; gives the segment that it ends, of which [`Forward::step`] and [`Forward::covariance`]
     /// tell the rest.
     pub(super) fn push(

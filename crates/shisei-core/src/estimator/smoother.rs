@@ -12,7 +12,7 @@ use super::backward::Adjoint;
 use super::calibration::Calibration;
 use super::covariance::Covariance;
 use super::engine::{OpticalNoise, Step};
-use super::guard::{Checked, Guard};
+use super::guard::{Checked, Guard, Sample};
 use super::model::{Nominal, PHI, POS, STATES, VEL};
 use super::online::{State, check, stated};
 use super::rest::RestFinder;
@@ -118,25 +118,36 @@ pub(super) fn lengths(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>) -> Result<()> {
 /// have ended.
 pub(super) fn rests(recording: &Recording<'_>, settings: &Settings) -> Vec<bool> {
     let (mut guard, mut finder) = (Guard::default(), RestFinder::default());
-    let rows = recording.acc.len();
-    let mut rest: Vec<bool> = Vec::with_capacity(rows);
-    for k in 0..rows {
-        let reading = match guard.check(&recording.sample(k), settings) {
-            Checked::Useless => {
-                rest.push(false);
-                continue;
-            }
-            Checked::AfterGap(reading, _) => {
-                finder.restart();
-                reading
-            }
-            Checked::Next(reading) => reading,
-        };
-        rest.push(finder.update(&settings.rest, &reading));
-    }
+    let rows = 0..recording.acc.len();
+    let mut rest: Vec<bool> =
+        rows.map(|k| rest_found(&mut guard, &mut finder, &recording.sample(k), settings)).collect();
+    reach_back(&mut rest, recording.dt, settings);
+    rest
+}
+
+/// Whether a sample is at rest, as found when it comes.
+pub(super) fn rest_found(
+    guard: &mut Guard,
+    finder: &mut RestFinder,
+    sample: &Sample,
+    settings: &Settings,
+) -> bool {
+    let reading = match guard.check(sample, settings) {
+        Checked::Useless => return false,
+        Checked::AfterGap(reading, _) => {
+            finder.restart();
+            reading
+        }
+        Checked::Next(reading) => reading,
+    };
+    finder.update(&settings.rest, &reading)
+}
+
+/// Rests as they were found, back to where they must have begun, and up to where they may have ended.
+pub(super) fn reach_back(rest: &mut [bool], dt: Dt<'_>, settings: &Settings) {
     let (mut left_s, mut before_end_s) = (0.0, REST_LATE_S);
     for k in (0..rest.len()).rev() {
-        let step = recording.dt.at(k);
+        let step = dt.at(k);
         let joined = step > 0.0 && step <= settings.gap_s;
         if rest[k] {
             left_s = REST_BACK * settings.rest.hold_s;
@@ -148,7 +159,6 @@ pub(super) fn rests(recording: &Recording<'_>, settings: &Settings) -> Vec<bool>
         }
         left_s = if joined { left_s - step } else { 0.0 };
     }
-    rest
 }
 
 /// A sample's state and what only the bridging form tells.
@@ -210,6 +220,17 @@ pub(super) fn run<const N: usize>(
         backward.chunk(chunk, &mut sink);
     }
     calibration
+}
+
+/// The backward pass over the last segments of a stream: `sink` receives the samples from the last to the first.
+pub(super) fn backward<const N: usize>(
+    recording: &Recording<'_>,
+    settings: &Settings,
+    chunk: &Chunk<N>,
+    mut sink: impl FnMut(usize, &Detail),
+) {
+    let mut backward = Backward { recording, settings: *settings, adjoint: Adjoint::new() };
+    backward.chunk(chunk, &mut sink);
 }
 
 /// The backward pass under way.

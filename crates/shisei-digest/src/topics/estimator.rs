@@ -3,8 +3,8 @@
 use alloc::vec::Vec;
 
 use shisei_core::estimator::{
-    BridgeSettings, Bridged, Calibration, Estimator, FixedLag, LightEstimator, LiveBridge, OpticalPose,
-    Sample, Settings, State, bridge, smooth,
+    BridgeSettings, Bridged, Calibration, Estimator, FixedLag, FixedLagBridge, LightEstimator, LiveBridge,
+    OpticalPose, Sample, Settings, State, bridge, smooth,
 };
 use shisei_core::filter::Dt;
 
@@ -152,6 +152,23 @@ pub fn live_bridge(digest: &mut Digest) {
         |digest, mut bridge| {
             for (sample, pose) in samples(300).iter().zip(&poses) {
                 push_bridged(digest, &bridge.update(sample, pose.as_ref()));
+            }
+        },
+    );
+}
+
+pub fn lag_bridge(digest: &mut Digest) {
+    let poses = poses(&mut Input::new(75), 300);
+    digest.push_result(
+        FixedLagBridge::new(&BridgeSettings::default(), &Settings::default(), 0.3),
+        |digest, mut bridge| {
+            let mut rows = Vec::new();
+            for (sample, pose) in samples(300).iter().zip(&poses) {
+                bridge.update(sample, pose.as_ref(), &mut rows);
+            }
+            bridge.finish(&mut rows);
+            for row in &rows {
+                push_bridged(digest, row);
             }
         },
     );

@@ -81,6 +81,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "estimator/smoother", run: estimator::smoother },
     Topic { name: "estimator/bridge", run: estimator::bridged },
     Topic { name: "estimator/live_bridge", run: estimator::live_bridge },
+    Topic { name: "estimator/lag_bridge", run: estimator::lag_bridge },
     Topic { name: "earth/direction", run: earth::direction },
     Topic { name: "earth/fits", run: earth::all_fits },
     Topic { name: "earth/analysis", run: earth::analyse },
@@ -98,4 +99,5 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "alignment", run: sync::alignment },
     Topic { name: "fuse", run: sync::fuse },
     Topic { name: "fuse/relative", run: sync::relative },
+    Topic { name: "fuse/delayed", run: sync::delayed },
 ];

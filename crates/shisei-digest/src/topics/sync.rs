@@ -3,7 +3,9 @@
 use alloc::vec::Vec;
 
 use shisei_core::alignment::Alignment;
+use shisei_core::estimator::Sample;
 use shisei_core::frames::{Axes, Pose};
+use shisei_core::fuse::delayed::{Delayed, DelayedSettings};
 use shisei_core::fuse::relative::{self, RelativeSettings};
 use shisei_core::fuse::{self, FuseSettings, FusedFrame, Inertial, Optical, Source};
 use shisei_core::sync::fourier::{Complex, Fourier};
@@ -226,6 +228,26 @@ pub fn relative(digest: &mut Digest) {
         digest.push(found.tilt_off_rad);
         for gap in &found.gaps {
             digest.push_all(&[gap.length_s, gap.sigma_rad, gap.sigma_m]);
+        }
+    });
+}
+
+pub fn delayed(digest: &mut Digest) {
+    let made = filmed();
+    let settings = DelayedSettings { lag_s: 0.3, ..DelayedSettings::default() };
+    digest.push_result(Delayed::new(&Alignment::default(), &settings), |digest, mut delayed| {
+        let mut rows = Vec::new();
+        for row in 0..250 {
+            let sample = Sample { gyro_rad_s: made.gyro[row], acc_m_s2: made.acc[row], dt_s: 0.01 };
+            // a gap that is shorter than the lag, and one that is longer
+            let hidden = (60..80).contains(&row) || (130..200).contains(&row);
+            let pose = made.poses[row].filter(|_| !hidden);
+            delayed.update(made.sensor_s[row], &sample, pose.as_ref(), &mut rows);
+        }
+        delayed.finish(&mut rows);
+        for (time_s, frame) in &rows {
+            digest.push(*time_s);
+            push_frames(digest, &[*frame]);
         }
     });
 }

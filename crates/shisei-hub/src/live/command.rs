@@ -2,6 +2,10 @@
 
 use serde_json::Value;
 
+use super::hub::Hub;
+use super::node::Node;
+use super::scene::Key;
+
 /// Longest name, bytes.
 const NAME_MAX: usize = 60;
 
@@ -14,7 +18,7 @@ pub enum Command {
     Align(u32),
     /// The heading of a sensor without a body is this now, rad.
     Heading(u32, f64),
-    /// A node gets another name here.
+    /// A node gets another name.
     Name(String, String),
 }
 
@@ -47,6 +51,32 @@ fn tidy(name: &str) -> String {
         out.push(c);
     }
     out
+}
+
+impl Hub {
+    pub(super) fn command(&mut self, command: Command) {
+        match command {
+            Command::Record(on) => self.record(on),
+            Command::Align(id) => {
+                if let Some(node) = self.node_of(id) {
+                    node.align();
+                }
+            }
+            Command::Heading(id, yaw_rad) => {
+                if let Some(node) = self.node_of(id) {
+                    node.set_heading(yaw_rad);
+                }
+            }
+            Command::Name(node, name) => self.name(&node, &name),
+        }
+    }
+
+    fn node_of(&mut self, id: u32) -> Option<&mut Node> {
+        match self.scene.key_of(id)? {
+            Key::Node(index) => self.nodes.get_mut(index),
+            Key::Body(_) => None,
+        }
+    }
 }
 
 #[cfg(test)]

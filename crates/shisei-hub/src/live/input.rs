@@ -1,8 +1,9 @@
 //! Where data come from. A door gives inputs; each runs in a thread of its own.
 
-use std::sync::Arc;
+use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
+use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
 
 /// What kind of input.
@@ -100,18 +101,51 @@ pub enum ToHub {
     Command(super::Command),
 }
 
+/// What the hub wants to be written that nobody has fetched, at most.
+const WORDS_MAX: usize = 64;
+
+/// What the hub wants to be written to ports of an input: port and bytes, oldest first.
+#[derive(Clone, Debug, Default)]
+pub struct Outbox(Arc<Mutex<VecDeque<Word>>>);
+
+/// A port, and what is to be written to it.
+type Word = (Arc<str>, Vec<u8>);
+
+impl Outbox {
+    /// One more; while nobody fetches them, the oldest are forgotten.
+    pub fn push(&self, port: &Arc<str>, bytes: Vec<u8>) {
+        // what is in there is whole at every moment
+        let mut words = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if words.len() >= WORDS_MAX {
+            words.pop_front();
+        }
+        words.push_back((Arc::clone(port), bytes));
+    }
+
+    /// The oldest.
+    pub fn fetch(&self) -> Option<Word> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).pop_front()
+    }
+}
+
 /// An input's way to the hub.
 #[derive(Clone, Debug)]
 pub struct Line {
     input: usize,
     to_hub: SyncSender<ToHub>,
     stop: Arc<AtomicBool>,
+    outbox: Outbox,
 }
 
 impl Line {
     /// The line of an input.
     pub fn new(input: usize, to_hub: SyncSender<ToHub>, stop: Arc<AtomicBool>) -> Self {
-        Line { input, to_hub, stop }
+        Line { input, to_hub, stop, outbox: Outbox::default() }
+    }
+
+    /// What the hub wants to be written; inputs that can write look here often.
+    pub fn outbox(&self) -> &Outbox {
+        &self.outbox
     }
 
     /// The hub is ending.

@@ -103,6 +103,15 @@ pub struct Moved {
     pub bridged: estimator::Bridged,
 }
 
+/// What was taken, in the order of its time: for those who look at it later, when they know more.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Taken {
+    /// A frame that has nothing missing before it: its time, s, and the body.
+    Frame(f64, Option<Pose>),
+    /// A sample: its time, s, and the step to it by the node's clock, s.
+    Sample(f64, f64, Sample),
+}
+
 /// Sensor and body.
 #[derive(Debug)]
 pub struct Merger {
@@ -117,6 +126,8 @@ pub struct Merger {
     seen_s: Option<f64>,
     off: VecDeque<(f64, Vec3, Vec3)>,
     lost_frames: u64,
+    /// Where it is asked for: what was taken, and the number of the last frame in it.
+    taken: Option<(Vec<Taken>, i64)>,
 }
 
 impl Merger {
@@ -135,6 +146,7 @@ impl Merger {
             seen_s: None,
             off: VecDeque::new(),
             lost_frames: 0,
+            taken: None,
         })
     }
 
@@ -154,6 +166,38 @@ impl Merger {
     /// Frames that were missing when samples after them were taken.
     pub fn lost_frames(&self) -> u64 {
         self.lost_frames
+    }
+
+    /// The causal estimate.
+    pub fn bridge(&self) -> &LiveBridge {
+        &self.bridge
+    }
+
+    /// Samples that wait for frames.
+    pub fn waiting(&self) -> usize {
+        self.waiting.len()
+    }
+
+    /// From now on [`Merger::taken`] tells what is taken, or no longer.
+    pub fn keep_taken(&mut self, keep: bool) {
+        self.taken = keep.then(|| (Vec::new(), i64::MIN));
+        self.keep_frames(0);
+    }
+
+    /// What was taken since this was asked last.
+    pub fn taken(&mut self) -> Vec<Taken> {
+        self.taken.as_mut().map(|(taken, _)| std::mem::take(taken)).unwrap_or_default()
+    }
+
+    /// Keeps the frames from this one on that have nothing missing before them.
+    fn keep_frames(&mut self, from: usize) {
+        let Some((taken, last)) = &mut self.taken else { return };
+        for (time_s, seen) in self.frames.iter().take(self.whole).skip(from) {
+            if seen.number > *last {
+                *last = seen.number;
+                taken.push(Taken::Frame(*time_s, seen.pose));
+            }
+        }
     }
 
     /// Takes a frame, then the samples that have waited for it.
@@ -181,6 +225,7 @@ impl Merger {
             return;
         }
         self.frames.insert(place, (time_s, seen));
+        let whole = self.whole;
         if self.whole == 0 {
             self.whole = 1;
         }
@@ -196,6 +241,7 @@ impl Merger {
             }
             self.whole += 1;
         }
+        self.keep_frames(whole);
         while self.frames.len() > FRAMES_MAX {
             self.frames.pop_front();
             self.whole = self.whole.saturating_sub(1).max(1);
@@ -224,7 +270,11 @@ impl Merger {
             self.waiting.pop_front();
             self.last = Some(sample);
             self.time_s = Some(time_s);
-            if let Some(moved) = self.take(&sample, time_s, step_s.unwrap_or(ANEW_S)) {
+            let dt_s = step_s.unwrap_or(ANEW_S);
+            if let Some((taken, _)) = &mut self.taken {
+                taken.push(Taken::Sample(time_s, dt_s, sample));
+            }
+            if let Some(moved) = self.take(&sample, time_s, dt_s) {
                 out.push(moved);
             }
         }

@@ -5,28 +5,35 @@
 //! [`Board`], from where clients take it.
 
 pub mod board;
+mod cameras;
 pub mod command;
 pub mod hub;
 pub mod input;
+pub mod lagged;
 pub mod learn;
 pub mod merge;
 pub mod meter;
 pub mod mounting;
+mod naming;
 mod node;
 pub mod optics;
 pub mod output;
 mod pairing;
+mod receivers;
 pub mod recorder;
 pub mod replay;
 pub mod run;
 pub mod scene;
+pub mod settings;
+mod showing;
 mod status;
 
 pub use board::Board;
 pub use command::Command;
-pub use hub::{Hub, Settings, hello};
+pub use hub::Hub;
 pub use input::{Input, Kind, Line, State, What};
 pub use mounting::Mounting;
 pub use output::Output;
 pub use replay::Replay;
 pub use run::{Parts, run};
+pub use settings::{Settings, hello};

@@ -52,6 +52,8 @@ pub struct Node {
     pub tries: u32,
     /// When samples came that the session has not yet given.
     arrivals: VecDeque<Instant>,
+    /// When samples came that wait in the merger.
+    pub merging: VecDeque<Instant>,
     /// Samples that the session has taken in.
     pub taken: u64,
     estimator: Estimator,
@@ -82,6 +84,7 @@ impl Node {
             asked: None,
             tries: 0,
             arrivals: VecDeque::new(),
+            merging: VecDeque::new(),
             taken: 0,
             estimator: Estimator::new(&Settings::default())?,
             last: None,

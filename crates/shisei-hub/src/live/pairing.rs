@@ -4,8 +4,9 @@ use std::time::{Duration, Instant};
 
 use super::hub::Hub;
 use super::learn::Question;
-use super::merge::Clocking;
+use super::merge::{Clocking, Coupling, Merger};
 use super::optics::BodyKey;
+use super::recorder::Recorder;
 use super::scene::Key;
 
 /// Least of a node's past that is searched, s.
@@ -98,5 +99,50 @@ impl Hub {
             }
             None => self.couple(index, found.body, found.coupling, found.sigma_s),
         }
+    }
+
+    /// Sensors of a port are no longer brought together with bodies: its clock has changed.
+    pub(super) fn uncouple(&mut self, port: usize) {
+        let smoothing = self.recorder.as_ref().and_then(Recorder::smoothing);
+        for (index, node) in self.nodes.iter_mut().enumerate().filter(|(_, node)| node.place.0 == port) {
+            if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
+                smoothing.end_of(index);
+            }
+            node.past.clear();
+            node.merger = None;
+            node.merging.clear();
+            node.asked = None;
+            node.sync_s = None;
+        }
+    }
+
+    /// A sensor is brought together with a body from now on.
+    pub(super) fn couple(&mut self, index: usize, body: BodyKey, coupling: Coupling, sigma_s: f64) {
+        let name = self.scene.get_mut(Key::Body(body)).map(|object| object.name.clone()).unwrap_or_default();
+        let alignment =
+            self.known.get(&name).map_or(coupling.alignment, |known| known.onto(&coupling.alignment));
+        let coupling = Coupling { alignment, ..coupling };
+        let Ok(merger) = Merger::new(coupling, &self.settings.optics) else { return };
+        let Some(node) = self.nodes.get_mut(index) else { return };
+        node.merger = Some(Box::new(merger));
+        node.body = Some(body);
+        node.sync_s = Some(sigma_s);
+        let name = node.name.clone();
+        self.scene.remove(Key::Node(index));
+        if let Some(object) = self.scene.get_mut(Key::Body(body)) {
+            object.node = Some(name.clone());
+            let body_name = object.name.clone();
+            if let Some(shown) = &mut object.shown {
+                // times of another clock are not compared with the new one's
+                shown.time_s = f64::NEG_INFINITY;
+            }
+            self.note(
+                "info",
+                &format!("{name} is on {body_name} (clocks to {:.1} ms)", sigma_s * 1e3),
+                &format!("{name} を {body_name} に対応付けました (時刻の誤差 {:.1} ms)", sigma_s * 1e3),
+            );
+        }
+        self.scene.changed = true;
+        self.smooth(index);
     }
 }

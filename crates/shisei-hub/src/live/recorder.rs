@@ -9,9 +9,13 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
+use shisei_core::fuse::delayed::DelayedSettings;
+
 use super::hub::Hub;
 use super::input::unix_ns;
-use super::scene::Shown;
+use super::lagged::{Lagged, Smoothing};
+use super::node::Node;
+use super::scene::{Key, Shown};
 use crate::session::Item;
 use crate::take::Take;
 
@@ -31,6 +35,8 @@ pub enum Record {
     Optical(String, Shown, i64, u64),
     /// A body as it is given out.
     Pose(String, Shown, u64),
+    /// The body as it is known a little later: its path, when its sample came.
+    Smoothed(String, Shown, u64),
     /// What happened.
     Note(String, u64),
 }
@@ -39,6 +45,7 @@ pub enum Record {
 #[derive(Debug)]
 pub struct Recorder {
     records: Option<Sender<Record>>,
+    smoothing: Option<Smoothing>,
     thread: Option<JoinHandle<io::Result<()>>>,
     path: PathBuf,
     started: Instant,
@@ -59,6 +66,7 @@ impl Recorder {
             worked
         });
         Ok(Recorder {
+            smoothing: Some(Smoothing::start(records.clone())),
             records: Some(records),
             thread: Some(thread),
             path,
@@ -74,6 +82,11 @@ impl Recorder {
             // a thread that has ended has told why: the hub asks `failed`
             let _ = records.send(record);
         }
+    }
+
+    /// Where the estimate with a delay is made.
+    pub fn smoothing(&self) -> Option<&Smoothing> {
+        self.smoothing.as_ref()
     }
 
     /// Writing has failed.
@@ -98,6 +111,9 @@ impl Recorder {
 
     /// Ends it: all that was given is written.
     pub fn end(mut self) -> io::Result<()> {
+        if let Some(smoothing) = self.smoothing.take() {
+            smoothing.end();
+        }
         drop(self.records.take());
         match self.thread.take().map(JoinHandle::join) {
             Some(Ok(outcome)) => outcome,
@@ -154,6 +170,7 @@ fn write(take: &mut Take<File>, record: Record) -> io::Result<()> {
         Record::Item(port, item, receiver_s, unix_ns) => take.item_of(&port, &item, receiver_s, unix_ns),
         Record::Optical(path, shown, frame, unix_ns) => take.optical(&path, &shown.pose, frame, unix_ns),
         Record::Pose(path, shown, unix_ns) => take.pose(&path, &shown, unix_ns),
+        Record::Smoothed(path, shown, unix_ns) => take.smoothed(&path, &shown, unix_ns),
         Record::Note(what, unix_ns) => take.note(&what, unix_ns),
     }
 }
@@ -175,6 +192,7 @@ impl Hub {
                     }
                     let file = recorder.file();
                     self.recorder = Some(recorder);
+                    (0..self.nodes.len()).for_each(|node| self.smooth(node));
                     self.note("info", &format!("recording to {file}"), &format!("{file} に記録しています"));
                 }
                 Err(error) => {
@@ -187,8 +205,21 @@ impl Hub {
                 }
             }
         } else if let Some(recorder) = self.recorder.take() {
-            let file = recorder.file();
-            match recorder.end() {
+            let mergers = self.nodes.iter_mut().filter_map(|node| node.merger.as_mut());
+            mergers.for_each(|merger| merger.keep_taken(false));
+            // what still waits is written while the stream goes on
+            self.ending.push((recorder.file(), std::thread::spawn(move || recorder.end())));
+        }
+    }
+
+    /// Tells of recordings that were ended and are written, with `all` of those that are not yet.
+    fn told_ended(&mut self, all: bool) {
+        let (over, ending) = std::mem::take(&mut self.ending)
+            .into_iter()
+            .partition::<Vec<_>, _>(|(_, thread)| all || thread.is_finished());
+        self.ending = ending;
+        for (file, thread) in over {
+            match thread.join().unwrap_or_else(|_| Err(io::Error::other("recording"))) {
                 Ok(()) => self.note("info", &format!("recorded: {file}"), &format!("記録しました：{file}")),
                 Err(error) => self.note(
                     "error",
@@ -199,10 +230,43 @@ impl Hub {
         }
     }
 
+    /// The end: recordings are closed.
+    pub fn finish(&mut self) {
+        self.record(false);
+        self.told_ended(true);
+    }
+
+    /// While it is recorded, a node on a body is also estimated with a delay.
+    pub(super) fn smooth(&mut self, node: usize) {
+        let Some(smoothing) = self.recorder.as_ref().and_then(Recorder::smoothing) else { return };
+        let Some(Node { merger: Some(merger), body: Some(body), .. }) = self.nodes.get_mut(node) else {
+            return;
+        };
+        let Some(object) = self.scene.get_mut(Key::Body(*body)) else { return };
+        let settings = DelayedSettings {
+            lag_s: self.settings.lag_s,
+            optics: self.settings.optics,
+            position_trust_s: self.settings.position_trust_s,
+        };
+        if let Ok(lagged) = Lagged::after(merger, &settings) {
+            merger.keep_taken(true);
+            smoothing.begin(node, object.path(), lagged);
+        }
+    }
+
+    /// What a node's merger took goes to that estimate as well.
+    pub(super) fn smooth_on(&mut self, node: usize, unix_ns: u64) {
+        let Some(smoothing) = self.recorder.as_ref().and_then(Recorder::smoothing) else { return };
+        if let Some(merger) = self.nodes.get_mut(node).and_then(|node| node.merger.as_mut()) {
+            smoothing.taken(node, merger.taken(), unix_ns);
+        }
+    }
+
     /// A recording whose disk is full has ended: that is said.
     pub(super) fn look_after_recording(&mut self) {
         if self.recorder.as_ref().is_some_and(Recorder::failed) {
             self.record(false);
         }
+        self.told_ended(false);
     }
 }

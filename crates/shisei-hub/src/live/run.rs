@@ -8,10 +8,11 @@ use std::sync::mpsc::{RecvTimeoutError, sync_channel};
 use std::time::{Duration, Instant};
 
 use super::board::Board;
-use super::hub::{Hub, Settings, hello};
+use super::hub::Hub;
 use super::input::{Input, Line, ToHub};
 use super::mounting::Mounting;
 use super::output::Output;
+use super::settings::{Settings, hello};
 use crate::server::{self, Access, Serving};
 
 /// Arrivals that wait for the hub; then inputs wait.
@@ -55,6 +56,7 @@ pub fn run(
     hub.know(parts.known);
     for (index, input) in parts.inputs.into_iter().enumerate() {
         let line = Line::new(index, to_hub.clone(), Arc::clone(stop));
+        hub.reach(index, line.outbox().clone());
         std::thread::spawn(move || input.run(&line));
     }
     drop(to_hub);

@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 use socket2::{Domain, Protocol, SockAddr, Socket, Type};
 
-use super::{COMMAND_PORT, PACKET_MAX, ServerInfo, Stream, Told, id, write};
+use super::{COMMAND_PORT, OWN_NAME, PACKET_MAX, ServerInfo, Stream, Told, id, write};
 use crate::live::input::{Input, Kind, Line, State, What};
 
 /// From one keep-alive to the next: Motive forgets a client after a few seconds.
@@ -31,20 +31,30 @@ pub struct Client {
 }
 
 impl Client {
-    /// Of a server by its address, `HOST` or `HOST:PORT`; `auto` finds one on the network.
+    /// Of a server by its address, `HOST` or `HOST:PORT`; `auto` finds one on the network or on this machine,
+    /// `auto:PORT` one that listens on another port than Motive's.
     pub fn new(host: &str) -> Self {
         Client { host: host.to_owned() }
     }
 
+    /// The port on which any server is looked for; none where one is named.
+    fn anybody(&self) -> Option<u16> {
+        match self.host.strip_prefix("auto")? {
+            "" => Some(COMMAND_PORT),
+            port => port.strip_prefix(':')?.parse().ok(),
+        }
+    }
+
     /// Where to ask: the server, or everybody.
-    fn target(&self) -> Option<(SocketAddr, u16)> {
-        if self.host == "auto" {
-            let all = SocketAddrV4::new(Ipv4Addr::BROADCAST, COMMAND_PORT);
-            return Some((all.into(), id::DISCOVERY));
+    fn targets(&self) -> Option<(Vec<SocketAddr>, u16)> {
+        if let Some(port) = self.anybody() {
+            // a server on this machine may hear nothing else
+            let all = [Ipv4Addr::BROADCAST, Ipv4Addr::LOCALHOST];
+            return Some((all.map(|ip| SocketAddrV4::new(ip, port).into()).to_vec(), id::DISCOVERY));
         }
         let with_port = self.host.to_socket_addrs();
         let mut found = with_port.or_else(|_| (self.host.as_str(), COMMAND_PORT).to_socket_addrs()).ok()?;
-        found.find(SocketAddr::is_ipv4).map(|address| (address, id::CONNECT))
+        found.find(SocketAddr::is_ipv4).map(|address| (vec![address], id::CONNECT))
     }
 }
 
@@ -87,7 +97,7 @@ struct Found {
 impl Client {
     /// Asks until a server answers; none where that cannot be, or when the hub ends.
     fn find(&self, line: &Line) -> Option<Found> {
-        let (target, kind) = self.target()?;
+        let (targets, kind) = self.targets()?;
         let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).ok()?;
         socket.set_broadcast(true).ok()?;
         socket.set_read_timeout(Some(READ)).ok()?;
@@ -95,23 +105,31 @@ impl Client {
         let _ = socket2::SockRef::from(&socket).set_recv_buffer_size(RECEIVE_BUFFER);
         let mut bytes = vec![0; PACKET_MAX];
         while !line.stopped() {
-            // a network that is not there yet refuses to send
-            let _ = socket.send_to(&write::connect(kind), target);
+            for target in &targets {
+                // a network that is not there yet refuses to send
+                let _ = socket.send_to(&write::connect(kind), target);
+            }
             let asked = Instant::now();
             while asked.elapsed() < RETRY && !line.stopped() {
                 let Ok((count, from)) = socket.recv_from(&mut bytes) else { continue };
-                // whoever is asked by name must answer himself
-                let expected = kind == id::DISCOVERY || from.ip() == target.ip();
                 let packet = bytes.get(..count).unwrap_or_default();
-                let mut stream = Stream::default();
-                if expected && let Ok(Told::Server(info)) = stream.push(packet) {
-                    let server =
-                        if kind == id::DISCOVERY { SocketAddr::new(from.ip(), COMMAND_PORT) } else { target };
-                    if kind == id::DISCOVERY {
-                        let _ = socket.send_to(&write::connect(id::CONNECT), server);
+                let Ok(Told::Server(info)) = Stream::default().push(packet) else { continue };
+                let server = if let Some(port) = self.anybody() {
+                    // what another hub gives out is no camera system
+                    if info.name == OWN_NAME {
+                        continue;
                     }
-                    return Some(Found { socket, server, info, words: packet.to_vec() });
-                }
+                    let server = SocketAddr::new(from.ip(), port);
+                    let _ = socket.send_to(&write::connect(id::CONNECT), server);
+                    server
+                } else {
+                    // whoever is asked by name must answer himself
+                    let Some(server) = targets.iter().find(|target| target.ip() == from.ip()) else {
+                        continue;
+                    };
+                    *server
+                };
+                return Some(Found { socket, server, info, words: packet.to_vec() });
             }
         }
         None
@@ -123,7 +141,7 @@ fn follow(found: &Found, line: &Line, port: &Arc<str>) -> io::Result<()> {
     line.give(port, What::State(State::Connected));
     line.give(port, What::NatNet(found.words.clone()));
     let over = Arc::new(AtomicBool::new(false));
-    let group = if found.info.multicast { Some(group(&found.info)?) } else { None };
+    let group = if found.info.multicast { Some(group(&found.info, towards(found.server))?) } else { None };
     let heard = Arc::new(std::sync::Mutex::new(Instant::now()));
     let changed = Arc::new(AtomicBool::new(true));
     let mut listener = Listener {
@@ -175,14 +193,27 @@ fn attend(
     Ok(())
 }
 
-/// The socket on which a group's frames come.
-fn group(info: &ServerInfo) -> io::Result<UdpSocket> {
+/// This machine's address on the way to a server: with several networks, the one that the cameras are on.
+fn towards(server: SocketAddr) -> Ipv4Addr {
+    let way = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0)).and_then(|socket| {
+        // nothing is sent by that
+        socket.connect(server)?;
+        socket.local_addr()
+    });
+    match way {
+        Ok(SocketAddr::V4(own)) => *own.ip(),
+        _ => Ipv4Addr::UNSPECIFIED,
+    }
+}
+
+/// The socket on which a group's frames come to an address of this machine.
+fn group(info: &ServerInfo, own: Ipv4Addr) -> io::Result<UdpSocket> {
     let socket = Socket::new(Domain::IPV4, Type::DGRAM, Some(Protocol::UDP))?;
     // other clients on this machine listen to the same
     socket.set_reuse_address(true)?;
     let _ = socket.set_recv_buffer_size(RECEIVE_BUFFER);
     socket.bind(&SockAddr::from(SocketAddrV4::new(Ipv4Addr::UNSPECIFIED, info.data_port)))?;
-    socket.join_multicast_v4(&Ipv4Addr::from(info.group), &Ipv4Addr::UNSPECIFIED)?;
+    socket.join_multicast_v4(&Ipv4Addr::from(info.group), &own)?;
     socket.set_read_timeout(Some(READ))?;
     Ok(socket.into())
 }

@@ -56,5 +56,7 @@ pub const COMMAND_PORT: u16 = 1510;
 pub const DATA_PORT: u16 = 1511;
 /// Motive's multicast group.
 pub const GROUP: [u8; 4] = [239, 255, 42, 99];
+/// What this program calls itself as a server.
+pub const OWN_NAME: &str = "shisei";
 /// Largest packet: what UDP carries.
 pub const PACKET_MAX: usize = 65_535;

@@ -1,7 +1,8 @@
-//! What the hub knows, as if it came from Motive: existing clients see the fused bodies. Unicast, to those who ask.
+//! What the hub knows, as if it came from Motive: existing clients see the fused bodies. Unicast, to those who ask, or
+//! multicast, to a group on one network.
 
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::net::{Ipv4Addr, SocketAddr, SocketAddrV4, UdpSocket};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -10,8 +11,8 @@ use shisei_core::frames::{Axes, Pose};
 use shisei_core::fuse::Source;
 
 use super::{
-    Body, BodyDescription, Frame, GROUP, Model, ServerInfo, Skeleton, SkeletonDescription, Version, id, read,
-    write,
+    Body, BodyDescription, Frame, GROUP, Model, OWN_NAME, ServerInfo, Skeleton, SkeletonDescription, Version,
+    id, read, write,
 };
 use crate::live::optics::BodyKey;
 use crate::live::output::Output;
@@ -25,8 +26,11 @@ const SILENT: Duration = Duration::from_secs(10);
 const CLIENTS_MAX: usize = 16;
 /// A read waits so long.
 const READ: Duration = Duration::from_millis(50);
-/// Without frames from the cameras, one goes out this often.
+/// Without a frame from the cameras for so long, sensors go on alone: then one goes out this often.
+const NO_FRAMES: Duration = Duration::from_millis(100);
 const WITHOUT_FRAMES: Duration = Duration::from_millis(20);
+/// A number that is so much smaller than the last is another count.
+const RESTART_FRAMES: i64 = 100;
 /// Largest request.
 const REQUEST_MAX: usize = 1024;
 /// Largest packet that is sent.
@@ -44,6 +48,10 @@ pub struct NatNetOut {
     number: i32,
     frames: i64,
     sent: Instant,
+    /// When the cameras' last frame came.
+    came: Instant,
+    /// All get the same frames here.
+    group: Option<SocketAddr>,
 }
 
 #[derive(Debug)]
@@ -52,6 +60,7 @@ struct Shared {
     model: Mutex<Model>,
     changed: AtomicBool,
     data_port: u16,
+    group: Option<Ipv4Addr>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -65,16 +74,43 @@ impl NatNetOut {
     /// Serves on an address, with ports for commands and data (0: any that is free), in a world of these axes. An
     /// error is that of a port which another program holds.
     pub fn new(address: Ipv4Addr, command: u16, data: u16, axes: Axes) -> io::Result<Self> {
+        let socket = UdpSocket::bind((address, data))?;
+        let port = socket.local_addr()?.port();
+        Self::serve(address, command, socket, port, None, axes)
+    }
+
+    /// The same for a multicast group, on the network of that address and no farther: whoever listens to the group on
+    /// this port gets the frames. An error also where the group is none.
+    pub fn multicast(address: Ipv4Addr, command: u16, group: SocketAddrV4, axes: Axes) -> io::Result<Self> {
+        if !group.ip().is_multicast() {
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, "not a multicast group"));
+        }
+        // clients on this machine hold the port of the group
+        let socket = UdpSocket::bind((address, 0))?;
+        let options = socket2::SockRef::from(&socket);
+        options.set_multicast_if_v4(&address)?;
+        options.set_multicast_ttl_v4(1)?;
+        Self::serve(address, command, socket, group.port(), Some(group), axes)
+    }
+
+    fn serve(
+        address: Ipv4Addr,
+        command: u16,
+        data: UdpSocket,
+        data_port: u16,
+        group: Option<SocketAddrV4>,
+        axes: Axes,
+    ) -> io::Result<Self> {
         let commands = UdpSocket::bind((address, command))?;
         commands.set_read_timeout(Some(READ))?;
-        let data = UdpSocket::bind((address, data))?;
         data.set_nonblocking(true)?;
         let bound = commands.local_addr()?;
         let shared = Arc::new(Shared {
             clients: Mutex::new(Vec::new()),
             model: Mutex::new(Model::default()),
             changed: AtomicBool::new(false),
-            data_port: data.local_addr()?.port(),
+            data_port,
+            group: group.map(|group| *group.ip()),
         });
         let stop = Arc::new(AtomicBool::new(false));
         let (answering, until) = (Arc::clone(&shared), Arc::clone(&stop));
@@ -96,6 +132,8 @@ impl NatNetOut {
             number: 0,
             frames: -1,
             sent: Instant::now(),
+            came: Instant::now(),
+            group: group.map(SocketAddr::V4),
         })
     }
 
@@ -127,7 +165,9 @@ impl Shared {
             id::CONNECT | id::DISCOVERY => {
                 let wanted = payload.get(265..267).map(|v| (v[0], v[1])).filter(|v| v.0 >= 3);
                 let version = wanted.map(|(major, minor)| Version { major, minor });
-                let version = version.unwrap_or(Version::V4_1).min(Version::V4_1);
+                // a group hears one version, the newest
+                let version =
+                    version.filter(|_| self.group.is_none()).unwrap_or(Version::V4_1).min(Version::V4_1);
                 if kind == id::CONNECT && !self.enter(from, Some(version)) {
                     return;
                 }
@@ -165,7 +205,8 @@ impl Shared {
         let version = text.strip_prefix("Bitstream,").and_then(|wanted| {
             let mut parts = wanted.split('.').map(|part| part.trim().parse::<u8>().ok());
             let (major, minor) = (parts.next()??, parts.next().flatten().unwrap_or(0));
-            Some(Version { major, minor }).filter(|v| (Version::V3_0..=Version::V4_1).contains(v))
+            let oldest = if self.group.is_some() { Version::V4_1 } else { Version::V3_0 };
+            Some(Version { major, minor }).filter(|v| (oldest..=Version::V4_1).contains(v))
         });
         match version {
             Some(version) if self.enter(from, Some(version)) => {
@@ -197,13 +238,13 @@ impl Shared {
 
     fn info(&self, version: Version) -> ServerInfo {
         ServerInfo {
-            name: "shisei".into(),
+            name: OWN_NAME.into(),
             app_version: [0, 1, 0, 0],
             natnet_version: [version.major, version.minor, 0, 0],
             clock_hz: CLOCK_HZ,
             data_port: self.data_port,
-            multicast: false,
-            group: GROUP,
+            multicast: self.group.is_some(),
+            group: self.group.map_or(GROUP, |group| group.octets()),
         }
     }
 }
@@ -214,7 +255,10 @@ fn ticks_now() -> u64 {
 
 impl Output for NatNetOut {
     fn name(&self) -> String {
-        format!("natnet {}", self.address)
+        match self.group {
+            Some(group) => format!("natnet {} → {group}", self.address),
+            None => format!("natnet {}", self.address),
+        }
     }
 
     fn clients(&self) -> usize {
@@ -260,7 +304,14 @@ impl Output for NatNetOut {
         };
         // every frame once; where none come any more, sensors go on
         let newer = frame.filter(|frame| *frame != self.frames);
-        if clients.is_empty() || (newer.is_none() && self.sent.elapsed() < WITHOUT_FRAMES) {
+        // a number that was given to one of our own, after all
+        let given =
+            newer.is_some_and(|frame| (0..RESTART_FRAMES).contains(&(i64::from(self.number) - frame)));
+        if newer.is_some() {
+            self.came = Instant::now();
+        }
+        let alone = self.came.elapsed() >= NO_FRAMES && self.sent.elapsed() >= WITHOUT_FRAMES;
+        if (clients.is_empty() && self.group.is_none()) || given || (newer.is_none() && !alone) {
             return;
         }
         self.sent = Instant::now();
@@ -287,11 +338,14 @@ impl Output for NatNetOut {
                 }
             }
         }
-        for client in clients {
-            let packet = write::frame(&out, client.version);
+        let group = self.group.map(|address| (address, Version::V4_1));
+        let single = clients.iter().map(|client| (client.address, client.version));
+        let to: Vec<_> = if group.is_some() { group.into_iter().collect() } else { single.collect() };
+        for (address, version) in to {
+            let packet = write::frame(&out, version);
             if packet.len() <= SEND_MAX {
                 // a full buffer costs this client a frame, and nobody anything else
-                let _ = self.data.send_to(&packet, client.address);
+                let _ = self.data.send_to(&packet, address);
             }
         }
     }

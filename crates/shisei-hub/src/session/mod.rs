@@ -7,9 +7,10 @@ mod track;
 
 use shisei_core::clock::{Pulse, PulseTrain};
 use shisei_core::{Quaternion, Vec3};
-use shisei_wire::message::{Event, EventCode, Hello, Node};
+use shisei_wire::frame::FRAME_MAX;
+use shisei_wire::message::{Command, Event, EventCode, Hello, MESSAGE_MAX, Node};
 use shisei_wire::packet::{FilterKind, Start};
-use shisei_wire::{Calibration, Deframer, Message, Packet};
+use shisei_wire::{Calibration, Deframer, Message, Packet, encode_frame};
 
 pub use track::Quality;
 use track::Track;
@@ -115,6 +116,14 @@ pub struct Counts {
     pub samples: u64,
     /// Samples lost.
     pub lost: u64,
+}
+
+/// A command as it goes over the line to a receiver; none where a name in it is too long.
+pub fn command_bytes(command: Command<'_>) -> Option<Vec<u8>> {
+    let (mut bytes, mut frame) = ([0; MESSAGE_MAX], [0; FRAME_MAX]);
+    let length = Message::Command(command).encode(&mut bytes).ok()?;
+    let length = encode_frame(bytes.get(..length)?, &mut frame).ok()?;
+    frame.get(..length).map(<[u8]>::to_vec)
 }
 
 /// A receiver's bytes, followed.

@@ -1,0 +1,135 @@
+//! What receivers say: samples, nodes, losses.
+
+use std::sync::Arc;
+
+use super::hub::{Hub, NODES_MAX};
+use super::input::Arrival;
+use super::node::Node;
+use super::recorder::Record;
+use super::scene::Key;
+use crate::session::{Item, Sample};
+
+impl Hub {
+    pub(super) fn serial(&mut self, arrival: &Arrival, bytes: &[u8]) {
+        let Some(index) = self.port(arrival) else { return };
+        let port = &mut self.ports[index];
+        if let Some(recorder) = &self.recorder {
+            recorder.give(Record::Raw(Arc::clone(&port.name), bytes.to_vec(), arrival.unix_ns));
+        }
+        let mut items = std::mem::take(&mut self.items);
+        let mut session = port.session.take().unwrap_or_default();
+        let before = session.counts();
+        session.push(bytes, &mut items);
+        let after = session.counts();
+        let (name, receiver_s) = (Arc::clone(&port.name), session.time_s());
+        for place in session.nodes() {
+            let Some(quality) = session.quality(place) else { continue };
+            let Some(node) = self.node(index, place) else { continue };
+            if quality.samples < node.taken {
+                node.restart();
+            }
+            node.arrived(quality.samples.saturating_sub(node.taken), arrival.at);
+            node.taken = quality.samples;
+            node.clock_s = quality.clock_residual_s;
+        }
+        self.ports[index].session = Some(session);
+        self.pulses.add(arrival.at, (after.pulses - before.pulses) as u32);
+        if let Some(input) = self.inputs.get_mut(arrival.input) {
+            input.rate.add(arrival.at, (after.samples - before.samples) as u32);
+            input.lost += after.lost - before.lost;
+            input.bad += after.garbage - before.garbage;
+        }
+        for item in items.drain(..) {
+            if let Some(recorder) = &self.recorder
+                && !matches!(item, Item::Hello(_))
+            {
+                let item = Box::new(item.clone());
+                recorder.give(Record::Item(Arc::clone(&name), item, receiver_s, arrival.unix_ns));
+            }
+            self.item(index, item, arrival);
+        }
+        self.items = items;
+    }
+
+    /// The node at a place of a port.
+    pub(super) fn node(&mut self, port: usize, place: u8) -> Option<&mut Node> {
+        let found = self.nodes.iter().position(|node| node.place == (port, place));
+        let index = match found {
+            Some(index) => index,
+            None if self.nodes.len() < NODES_MAX => {
+                self.nodes.push(Node::new((port, place), format!("node {place}")).ok()?);
+                self.nodes.len() - 1
+            }
+            None => return None,
+        };
+        self.nodes.get_mut(index)
+    }
+
+    fn item(&mut self, port: usize, item: Item, arrival: &Arrival) {
+        match item {
+            Item::Sample(sample) => self.sample(port, &sample, arrival),
+            Item::Node(info) => {
+                let Some(node) = self.node(port, info.node) else { return };
+                node.battery_v = (info.battery_mv > 0).then(|| f64::from(info.battery_mv) * 1e-3);
+                node.temperature_c = info.temperature_centi_c.map(|t| f64::from(t) * 0.01);
+                self.own_name((port, info.node), &info.name);
+            }
+            Item::Lost(place, count) => {
+                if let Some(node) = self.node(port, place) {
+                    node.lost += count;
+                }
+            }
+            Item::Rebooted(place, _) => {
+                if let Some(node) = self.node(port, place) {
+                    node.past.clear();
+                    let name = node.name.clone();
+                    self.note(
+                        "warning",
+                        &format!("{name} started anew"),
+                        &format!("{name} が再起動しました"),
+                    );
+                }
+            }
+            Item::ReceiverRebooted(_) => {
+                self.note("warning", "the receiver started anew", "レシーバが再起動しました");
+                self.uncouple(port);
+            }
+            Item::Event(event) => self.refused(port, &event),
+            Item::Calibration(..) | Item::Hello(_) | Item::Garbage => {}
+        }
+    }
+
+    fn sample(&mut self, port: usize, sample: &Sample, arrival: &Arrival) {
+        // another count of the pulses: frames before and after have nothing to do with each other
+        let known = self.ports[port].from_gate;
+        if sample.frame.is_some() && known != Some(sample.from_gate) {
+            self.ports[port].from_gate = Some(sample.from_gate);
+            if known.is_some() {
+                self.uncouple(port);
+            }
+        }
+        let Some(index) = self.nodes.iter().position(|node| node.place == (port, sample.node)) else {
+            return;
+        };
+        let node = &mut self.nodes[index];
+        let came = node.arrival();
+        node.past.push(sample, arrival.unix_ns as f64 * 1e-9);
+        if let Some(t) = sample.temperature_c {
+            node.temperature_c = Some(t);
+        }
+        if let Some(merger) = &mut node.merger {
+            let mut moved = Vec::new();
+            merger.sample(sample, &mut moved);
+            node.merging.extend(came);
+            self.moved(index, &moved, arrival);
+        } else {
+            let shown = node.alone(sample, arrival.at);
+            let name = node.name.clone();
+            self.scene.object(Key::Node(index), &name).shown = Some(shown);
+            if let Some(came) = came {
+                self.latency.add(came.elapsed());
+            }
+        }
+        self.fresh = true;
+    }
+}
