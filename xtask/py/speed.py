@@ -3,8 +3,8 @@
 Processor time is taken, of the system's part too: on a quiet machine it is the time by the clock, on another one it is
 what can still be compared. Only the last line, two cores against one, goes by the clock.
 
-Usage: speed.py KERNELS SHISEI FOLDER ROWS ROUNDS. KERNELS is the example `kernels` of shisei-record. Prints medians,
-ratios and whether each is within its limit; ends with 1 where one is not.
+Usage: speed.py EXAMPLES SHISEI FOLDER ROWS ROUNDS. EXAMPLES holds the examples `arithmetic` of shisei-wide and
+`kernels` of shisei-record. Prints medians, ratios and whether each is within its limit; ends with 1 where one is not.
 """
 
 import ctypes
@@ -127,10 +127,16 @@ def written(path, text):
         out.write(text)
 
 
-def ours(kernels):
-    names = ["floor", "mahony", "mahony-plain", "gyro", "ypr", "ypr-unit", "csv-read", "csv-write-6",
-             "csv-write-shortest"]
-    return {name: (lambda name=name: kernels(name)) for name in names}
+def ours(examples, folder):
+    programs = {
+        "arithmetic": ["floor", "mahony", "mahony-plain", "gyro", "gyro-plain-vectors", "ypr", "ypr-plain-vectors"],
+        "kernels": ["csv-read", "csv-write-6", "csv-write-shortest"],
+    }
+    runs = {}
+    for program, names in programs.items():
+        kernels = Kernels(os.path.join(examples, program), folder)
+        runs |= {name: (lambda name=name, kernels=kernels: kernels(name)) for name in names}
+    return runs
 
 
 def arithmetic_peers(gyr, acc, folder):
@@ -200,7 +206,7 @@ def many_files(folder, shisei, cores, rounds):
 
 
 def main():
-    kernels, shisei, folder, rows, rounds = sys.argv[1:4] + [int(word) for word in sys.argv[4:6]]
+    examples, shisei, folder, rows, rounds = sys.argv[1:4] + [int(word) for word in sys.argv[4:6]]
     cores = sorted(os.sched_getaffinity(0))
     os.sched_setaffinity(0, cores[:1])
     os.makedirs(folder, exist_ok=True)
@@ -211,7 +217,7 @@ def main():
     columns["temp_c"] = 25 + 0.1 * gyr[:, 0]
     polars.DataFrame(columns).write_csv(os.path.join(folder, "big.csv"), float_precision=6)
 
-    runs, samples = ours(Kernels(kernels, folder)), {}
+    runs, samples = ours(examples, folder), {}
     for name, (work, count) in arithmetic_peers(gyr, acc, folder).items():
         runs[name], samples[name] = timed(work), count
     runs |= file_peers(folder, shisei)
@@ -239,8 +245,8 @@ def main():
         ("Mahony against VQF's batch", m["VQF, batch"] / m["mahony"], ">=", 12),
         ("Mahony against ahrs' Mahony", m["ahrs Mahony"] / m["mahony"], ">=", 1800),
         ("gyroscope only / memory floor", m["gyro"] / m["floor"], "<=", 2.4),
-        ("yaw, pitch, roll against NumPy", m["NumPy by hand"] / m["ypr-unit"], ">=", 3),
-        ("yaw, pitch, roll against SciPy", m["SciPy as_euler"] / m["ypr-unit"], ">=", 4),
+        ("yaw, pitch, roll against NumPy", m["NumPy by hand"] / m["ypr"], ">=", 3),
+        ("yaw, pitch, roll against SciPy", m["SciPy as_euler"] / m["ypr"], ">=", 4),
         (f"CSV read against the best ({best.split()[0]})", m[best] / m["csv-read"], ">=", 1.8),
         ("CSV write, 6 decimals, against polars", m["polars write, 6 decimals"] / m["csv-write-6"], ">=", 5),
         ("CSV write, shortest, against polars", m["polars write, shortest"] / m["csv-write-shortest"], ">=", 1),

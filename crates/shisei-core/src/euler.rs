@@ -4,7 +4,7 @@ mod lanes;
 
 use crate::math;
 use crate::quaternion::Quaternion;
-pub(crate) use lanes::LANES;
+pub(crate) use lanes::{BLOCK, Components, ypr_lanes};
 
 /// Below this cos(pitch) roll is 0 and yaw carries the rest (gimbal lock).
 const GIMBAL_LOCK_COS: f64 = 1e-12;
@@ -68,64 +68,84 @@ impl Quaternion {
     ///
     /// cos(pitch) is the root of the product of those two points' squared lengths, 1 ∓ sin(pitch).
     pub fn to_ypr(self) -> Ypr {
-        let [ypr_rad] = lanes::ypr(&[self]);
-        Ypr::from_array(ypr_rad)
+        Ypr::from_array(lanes::ypr(self))
     }
 }
 
 /// What an attitude may be written as: [`Quaternion`], `[w, x, y, z]`, [`Ypr`] or `[yaw, pitch, roll]`.
 pub trait AttitudeRow: From<Quaternion> {
-    /// Whether [`from_lanes`](AttitudeRow::from_lanes) is faster than one by one.
-    const IN_LANES: bool = false;
+    /// Whether it is made of angles: several of them at once are faster than one by one, with the same bits.
+    const ANGLES: bool = false;
 
-    /// Several attitudes, with the same bits as one by one.
-    #[inline]
-    fn from_lanes(world_from_body: &[Quaternion; LANES]) -> [Self; LANES] {
-        world_from_body.map(Self::from)
+    /// From yaw, pitch, roll, rad; asked for only of [`ANGLES`](AttitudeRow::ANGLES).
+    fn from_angles(ypr_rad: [f64; 3]) -> Self;
+}
+
+impl AttitudeRow for Quaternion {
+    fn from_angles(ypr_rad: [f64; 3]) -> Self {
+        Quaternion::from_ypr(Ypr::from_array(ypr_rad))
     }
 }
 
-impl AttitudeRow for Quaternion {}
-
-impl AttitudeRow for [f64; 4] {}
+impl AttitudeRow for [f64; 4] {
+    fn from_angles(ypr_rad: [f64; 3]) -> Self {
+        Quaternion::from_angles(ypr_rad).to_array()
+    }
+}
 
 impl AttitudeRow for Ypr {
-    const IN_LANES: bool = true;
+    const ANGLES: bool = true;
 
-    #[inline]
-    fn from_lanes(world_from_body: &[Quaternion; LANES]) -> [Self; LANES] {
-        lanes::ypr(world_from_body).map(Ypr::from_array)
+    #[inline(always)]
+    fn from_angles(ypr_rad: [f64; 3]) -> Self {
+        Ypr::from_array(ypr_rad)
     }
 }
 
 impl AttitudeRow for [f64; 3] {
-    const IN_LANES: bool = true;
+    const ANGLES: bool = true;
 
-    #[inline]
-    fn from_lanes(world_from_body: &[Quaternion; LANES]) -> [Self; LANES] {
-        lanes::ypr(world_from_body)
+    #[inline(always)]
+    fn from_angles(ypr_rad: [f64; 3]) -> Self {
+        ypr_rad
     }
 }
 
 /// Writes attitudes: `attitude(k)`, of unit norm, is asked for in ascending order, once a row.
 #[inline(always)]
 pub(crate) fn fill<O: AttitudeRow>(out: &mut [O], mut attitude: impl FnMut(usize) -> Quaternion) {
-    let mut k = 0;
-    let mut next = || {
-        k += 1;
-        attitude(k - 1)
-    };
-    let rest = if O::IN_LANES {
-        let (together, rest) = out.as_chunks_mut::<LANES>();
-        for rows in together {
-            let q = [next(), next(), next(), next()];
-            *rows = O::from_lanes(&q);
+    if !O::ANGLES {
+        for (k, row) in out.iter_mut().enumerate() {
+            *row = O::from(attitude(k));
         }
-        rest
+        return;
+    }
+    let mut components = Components::IDENTITY;
+    for (block, rows) in out.chunks_mut(BLOCK).enumerate() {
+        for i in 0..rows.len() {
+            components.set(i, attitude(block * BLOCK + i));
+        }
+        write(rows, &components);
+    }
+}
+
+/// Writes a block's first attitudes.
+#[inline(always)]
+pub(crate) fn write<O: AttitudeRow>(rows: &mut [O], components: &Components) {
+    if O::ANGLES {
+        let [yaw, pitch, roll] = components.ypr();
+        if let Ok(rows) = <&mut [O; BLOCK]>::try_from(&mut *rows) {
+            for i in 0..BLOCK {
+                rows[i] = O::from_angles([yaw[i], pitch[i], roll[i]]);
+            }
+        } else {
+            for (i, row) in rows.iter_mut().enumerate().take(BLOCK) {
+                *row = O::from_angles([yaw[i], pitch[i], roll[i]]);
+            }
+        }
     } else {
-        out
-    };
-    for row in rest {
-        *row = O::from(next());
+        for (i, row) in rows.iter_mut().enumerate().take(BLOCK) {
+            *row = O::from(components.at(i));
+        }
     }
 }

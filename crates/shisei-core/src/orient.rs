@@ -154,6 +154,7 @@ impl Orientation {
     }
 
     /// Yaw, pitch and roll of every row, rad: the same bits as [`ypr`](Orientation::ypr) of each.
+    #[inline(always)]
     pub fn ypr_rad(&self) -> Vec<[f64; 3]> {
         let mut out = alloc::vec![[0.0; 3]; self.world_from_body.len()];
         euler::fill(&mut out, |k| relative_to(self.world_from_body[k], self.start, self.relative));

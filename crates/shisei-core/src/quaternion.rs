@@ -41,19 +41,19 @@ impl Quaternion {
     pub const IDENTITY: Quaternion = Quaternion { w: 1.0, x: 0.0, y: 0.0, z: 0.0 };
 
     /// From components; not normalised.
-    #[inline]
+    #[inline(always)]
     pub const fn new(w: f64, x: f64, y: f64, z: f64) -> Self {
         Quaternion { w, x, y, z }
     }
 
     /// From `[w, x, y, z]`; not normalised.
-    #[inline]
+    #[inline(always)]
     pub const fn from_array(q: [f64; 4]) -> Self {
         Quaternion { w: q[0], x: q[1], y: q[2], z: q[3] }
     }
 
     /// `[w, x, y, z]`.
-    #[inline]
+    #[inline(always)]
     pub const fn to_array(self) -> [f64; 4] {
         [self.w, self.x, self.y, self.z]
     }
@@ -77,26 +77,26 @@ impl Quaternion {
     }
 
     /// Divided by its norm. The caller knows that it is neither zero nor huge.
-    #[inline]
+    #[inline(always)]
     pub fn normalized(self) -> Self {
         let n = math::sqrt(self.norm_squared());
         Quaternion::new(self.w / n, self.x / n, self.y / n, self.z / n)
     }
 
     /// w² + x² + y² + z².
-    #[inline]
+    #[inline(always)]
     pub fn norm_squared(self) -> f64 {
         (self.w * self.w + self.x * self.x) + (self.y * self.y + self.z * self.z)
     }
 
     /// q*, the inverse rotation of a unit quaternion.
-    #[inline]
+    #[inline(always)]
     pub fn conjugate(self) -> Self {
         Quaternion::new(self.w, -self.x, -self.y, -self.z)
     }
 
     /// Hamilton product `self ⊗ other`: first `other`, then `self`.
-    #[inline]
+    #[inline(always)]
     pub fn product(self, other: Self) -> Self {
         let (a, b) = (self, other);
         Quaternion::new(

@@ -7,7 +7,7 @@
 //! pitch, roll). Quaternions are normalised on entry; one that is zero or not finite is refused with its row.
 
 use crate::error::Result;
-use crate::euler::{self, AttitudeRow, LANES, Ypr};
+use crate::euler::{self, AttitudeRow, BLOCK, Components, Ypr};
 use crate::filter::{check_rows, same_length};
 use crate::quaternion::Quaternion;
 use crate::vector::Vec3;
@@ -23,6 +23,7 @@ pub fn world(current: Quaternion, initial: Quaternion) -> Result<Quaternion> {
 }
 
 /// [`body`] of every row.
+#[inline(always)]
 pub fn body_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     current: &[Q],
     initial: Quaternion,
@@ -33,6 +34,7 @@ pub fn body_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
 }
 
 /// [`world`] of every row.
+#[inline(always)]
 pub fn world_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     current: &[Q],
     initial: Quaternion,
@@ -43,6 +45,7 @@ pub fn world_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
 }
 
 /// Every row itself: normalised, or as yaw, pitch, roll.
+#[inline(always)]
 pub fn convert_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     quaternions: &[Q],
     out: &mut [O],
@@ -79,19 +82,57 @@ fn unit<Q: Into<Quaternion>>(q: Q, row: usize) -> Result<Quaternion> {
     q.try_normalized().map_err(|error| error.at_row(row))
 }
 
-/// Rows before a refused one are written.
+/// Blocks before that of a refused row are written.
+#[inline(always)]
 fn map_series<Q: Into<Quaternion> + Copy, O: AttitudeRow>(
     quaternions: &[Q],
     out: &mut [O],
     f: impl Fn(Quaternion) -> Quaternion,
 ) -> Result<()> {
     same_length(quaternions.len(), out.len())?;
-    for (block, (rows, quaternions)) in out.chunks_mut(LANES).zip(quaternions.chunks(LANES)).enumerate() {
-        let mut q = [Quaternion::IDENTITY; LANES];
-        for (i, &given) in quaternions.iter().enumerate() {
-            q[i] = f(unit(given, block * LANES + i)?);
+    let mut components = Components::IDENTITY;
+    for (block, (rows, quaternions)) in out.chunks_mut(BLOCK).zip(quaternions.chunks(BLOCK)).enumerate() {
+        match <&[Q; BLOCK]>::try_from(quaternions) {
+            Ok(quaternions) if units(quaternions, &mut components) => {
+                for i in 0..BLOCK {
+                    components.set(i, f(components.at(i)));
+                }
+            }
+            _ => one_by_one(quaternions, block * BLOCK, &mut components, &f)?,
         }
-        euler::fill(rows, |i| q[i]);
+        euler::write(rows, &components);
+    }
+    Ok(())
+}
+
+/// Normalises a whole block; false where a row is zero, not finite, or so large or small that its square might be.
+#[inline(always)]
+fn units<Q: Into<Quaternion> + Copy>(quaternions: &[Q; BLOCK], components: &mut Components) -> bool {
+    for i in 0..BLOCK {
+        components.set(i, quaternions[i].into());
+    }
+    let mut ordinary = true;
+    for i in 0..BLOCK {
+        let square = components.at(i).norm_squared();
+        ordinary &= square > 1e-180 && square < 1e180;
+    }
+    if ordinary {
+        for i in 0..BLOCK {
+            components.set(i, components.at(i).normalized());
+        }
+    }
+    ordinary
+}
+
+#[inline(never)]
+fn one_by_one<Q: Into<Quaternion> + Copy>(
+    quaternions: &[Q],
+    first_row: usize,
+    components: &mut Components,
+    f: &impl Fn(Quaternion) -> Quaternion,
+) -> Result<()> {
+    for (i, &q) in quaternions.iter().enumerate().take(BLOCK) {
+        components.set(i, f(unit(q, first_row + i)?));
     }
     Ok(())
 }

@@ -16,13 +16,13 @@ pub fn sub(a: Vec3, b: Vec3) -> Vec3 {
 }
 
 /// s a.
-#[inline]
+#[inline(always)]
 pub fn scale(a: Vec3, s: f64) -> Vec3 {
     [a[0] * s, a[1] * s, a[2] * s]
 }
 
 /// a · b.
-#[inline]
+#[inline(always)]
 pub fn dot(a: Vec3, b: Vec3) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
@@ -40,7 +40,7 @@ pub fn norm(a: Vec3) -> f64 {
 }
 
 /// True when all three components are finite.
-#[inline]
+#[inline(always)]
 pub fn is_finite(a: Vec3) -> bool {
     a[0].is_finite() && a[1].is_finite() && a[2].is_finite()
 }

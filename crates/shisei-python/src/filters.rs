@@ -8,11 +8,12 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shisei_core::filter::{
-    AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroRk4, Mahony, MahonyAdaptive, run, run_gyro,
+    AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, MahonyAdaptive,
 };
 use shisei_core::motion::{DeadReckoning, MotionState, Scheme};
 use shisei_core::orient::{self as whole, Method, Relative, RestChoice, Settings};
 use shisei_core::{Quaternion, Result, Vec3};
+use shisei_wide::Vectors;
 
 type Quat = [f64; 4];
 
@@ -24,6 +25,18 @@ fn at<const N: usize>(parameters: &[f64]) -> PyResult<[f64; N]> {
 fn gain(p: &[f64]) -> PyResult<AdaptiveGain> {
     let [kp_max, kp_min, upper_start, upper_end, lower_start, lower_end] = at(p)?;
     Ok(AdaptiveGain { kp_max, kp_min, upper_start, upper_end, lower_start, lower_end })
+}
+
+fn run(mut filter: impl Filter, gyro: &[Vec3], acc: &[Vec3], dt: Dt<'_>) -> Result<Vec<Quat>> {
+    let mut out = vec![[0.0; 4]; gyro.len()];
+    Vectors::widest().run_into(&mut filter, gyro, acc, dt, &mut out)?;
+    Ok(out)
+}
+
+fn run_gyro(mut filter: impl GyroOnly, gyro: &[Vec3], dt: Dt<'_>) -> Result<Vec<Quat>> {
+    let mut out = vec![[0.0; 4]; gyro.len()];
+    Vectors::widest().run_gyro_into(&mut filter, gyro, dt, &mut out)?;
+    Ok(out)
 }
 
 /// Runs the filter `kind` with its parameters (as the package orders them) from `start`.
@@ -42,20 +55,20 @@ pub fn run_filter<'py>(
     let acc = acc_m_s2.as_ref().map_or(Ok(&[][..]), |acc| rows::<3>(acc, "acc_m_s2"))?;
     let (dt, q, p) = (dt_s.dt()?, Quaternion::from_array(start), &parameters[..]);
     let out: Result<Vec<Quat>> = match kind {
-        "gyro" => py.detach(|| run_gyro(&mut GyroIntegrator::new(q)?, gyro, dt)),
-        "gyro-rk4" => py.detach(|| run_gyro(&mut GyroRk4::new(q)?, gyro, dt)),
+        "gyro" => py.detach(|| run_gyro(GyroIntegrator::new(q)?, gyro, dt)),
+        "gyro-rk4" => py.detach(|| run_gyro(GyroRk4::new(q)?, gyro, dt)),
         "mahony" => {
             let [kp, ki] = at(p)?;
-            py.detach(|| run(&mut Mahony::new(q, kp, ki)?, gyro, acc, dt))
+            py.detach(|| run(Mahony::new(q, kp, ki)?, gyro, acc, dt))
         }
         "mahony-adaptive" => {
             let [.., ki, gravity] = at::<8>(p)?;
             let gain = gain(&p[..6])?;
-            py.detach(|| run(&mut MahonyAdaptive::new(q, gain, ki, gravity)?, gyro, acc, dt))
+            py.detach(|| run(MahonyAdaptive::new(q, gain, ki, gravity)?, gyro, acc, dt))
         }
         "complementary" => {
             let [alpha, gravity] = at(p)?;
-            py.detach(|| run(&mut Complementary::new(q, alpha, gravity)?, gyro, acc, dt))
+            py.detach(|| run(Complementary::new(q, alpha, gravity)?, gyro, acc, dt))
         }
         other => return Err(PyValueError::new_err(format!("there is no filter {other:?}"))),
     };

@@ -23,10 +23,12 @@ pub fn command(project: &Project, words: &[&str]) -> Result<(), String> {
         .ensure(project, "core", install)
         .map_err(|reason| reason.replace("test --install core", "bench speed --install"))?;
     must(project.cargo().args(["build", "--release", "--quiet", "--package", "shisei-cli"]))?;
-    let kernels = ["build", "--release", "--quiet", "--package", "shisei-record", "--example", "kernels"];
-    must(project.cargo().args(kernels))?;
+    for (package, example) in [("shisei-wide", "arithmetic"), ("shisei-record", "kernels")] {
+        let build = ["build", "--release", "--quiet", "--package", package, "--example", example];
+        must(project.cargo().args(build))?;
+    }
     let release = project.target().join("release");
     let mut measure = project.command(project.venv_python());
-    measure.arg("xtask/py/speed.py").arg(release.join("examples/kernels")).arg(release.join("shisei"));
+    measure.arg("xtask/py/speed.py").arg(release.join("examples")).arg(release.join("shisei"));
     must(measure.arg(project.target().join("bench-speed")).args([ROWS, ROUNDS]))
 }

@@ -8,6 +8,7 @@ use shisei_core::orient::{self, Method, Orientation, RestChoice};
 use shisei_core::{Error, Lang, heading, rest};
 use shisei_record::calibration::CalibrationFile;
 use shisei_record::{Options, Recording};
+use shisei_wide::Vectors;
 
 use crate::args::{FilterName, Orient, Relative};
 use crate::calibration;
@@ -159,7 +160,7 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     }
     let orientation = compute(plan, source, &recording).map_err(refuse)?;
     let warnings = warnings(plan, &recording, &orientation);
-    let ypr_rad = orientation.ypr_rad();
+    let ypr_rad = Vectors::widest().ypr_rad(&orientation);
     let report = summary::report(plan, source, &recording, &orientation, &ypr_rad, &warnings);
 
     // Everything is made under temporary names before anything is in its place.

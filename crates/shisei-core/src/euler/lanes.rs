@@ -1,4 +1,4 @@
-//! Several attitudes to yaw, pitch and roll at once: no branches, so that compilers take them side by side.
+//! Attitudes to yaw, pitch and roll without branches, so that compilers take several side by side.
 //!
 //! One attitude alone goes the same way, so that a row's bits do not depend on how many are asked for.
 
@@ -8,8 +8,42 @@ use super::GIMBAL_LOCK_COS;
 use crate::math;
 use crate::quaternion::Quaternion;
 
-/// Attitudes taken together in a series.
-pub(crate) const LANES: usize = 4;
+/// Attitudes taken together in a series: a few kilobytes, which stay in the nearest cache.
+pub(crate) const BLOCK: usize = 64;
+
+/// Attitudes with every component by itself, as vectors of processors take them.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Components {
+    pub(crate) w: [f64; BLOCK],
+    pub(crate) x: [f64; BLOCK],
+    pub(crate) y: [f64; BLOCK],
+    pub(crate) z: [f64; BLOCK],
+}
+
+impl Components {
+    pub(crate) const IDENTITY: Components =
+        Components { w: [1.0; BLOCK], x: [0.0; BLOCK], y: [0.0; BLOCK], z: [0.0; BLOCK] };
+
+    #[inline(always)]
+    pub(crate) fn at(&self, i: usize) -> Quaternion {
+        Quaternion::new(self.w[i], self.x[i], self.y[i], self.z[i])
+    }
+
+    #[inline(always)]
+    pub(crate) fn set(&mut self, i: usize, q: Quaternion) {
+        [self.w[i], self.x[i], self.y[i], self.z[i]] = q.to_array();
+    }
+
+    /// Yaw, pitch and roll of unit quaternions, rad, each by itself.
+    #[inline(always)]
+    pub(crate) fn ypr(&self) -> [[f64; BLOCK]; 3] {
+        let [mut yaw, mut pitch, mut roll] = [[0.0; BLOCK]; 3];
+        for i in 0..BLOCK {
+            [yaw[i], pitch[i], roll[i]] = ypr(self.at(i));
+        }
+        [yaw, pitch, roll]
+    }
+}
 
 /// tan(π/8): up to here the polynomial goes.
 const TAN_PI_8: f64 = 0.41421356237309503;
@@ -31,42 +65,41 @@ const ARCTANGENT: [f64; 12] = [
     0.0018902934535572071,
 ];
 
-/// Yaw, pitch and roll of unit quaternions, `[yaw, pitch, roll]` a row, rad.
+/// `[yaw, pitch, roll]` of unit quaternions given by their components, rad.
 #[inline(always)]
-pub(super) fn ypr<const N: usize>(q: &[Quaternion; N]) -> [[f64; 3]; N] {
-    let [mut w, mut x, mut y, mut z] = [[0.0; N]; 4];
-    for i in 0..N {
-        [w[i], x[i], y[i], z[i]] = q[i].to_array();
-    }
-    let [mut sum_y, mut sum_x, mut difference_y, mut difference_x] = [[0.0; N]; 4];
-    let [mut sine, mut cosine] = [[0.0; N]; 2];
-    for i in 0..N {
-        [sum_y[i], sum_x[i]] = [z[i] + x[i], w[i] - y[i]];
-        [difference_y[i], difference_x[i]] = [z[i] - x[i], w[i] + y[i]];
-        sine[i] = 2.0 * (w[i] * y[i] - x[i] * z[i]);
-    }
-    for i in 0..N {
-        // The squares of the two half angles' points are 1 ∓ sin(pitch): their product is cos²(pitch), with all its
-        // digits near ±π/2.
-        let low = sum_y[i] * sum_y[i] + sum_x[i] * sum_x[i];
-        let high = difference_y[i] * difference_y[i] + difference_x[i] * difference_x[i];
-        cosine[i] = math::sqrt(low * high);
-    }
-    let pitch = atan2(&sine, &cosine);
-    let (sum, difference) = (atan2(&sum_y, &sum_x), atan2(&difference_y, &difference_x));
-    let [mut yaw, mut roll] = [[0.0; N]; 2];
-    for i in 0..N {
-        // Gimbal lock. Nose up: only yaw − roll is determined; nose down: only yaw + roll.
-        let locked = cosine[i] < GIMBAL_LOCK_COS;
-        let half = either(sine[i] > 0.0, difference[i], sum[i]);
-        yaw[i] = wrapped(either(locked, 2.0 * half, sum[i] + difference[i]));
-        roll[i] = either(locked, 0.0, wrapped(sum[i] - difference[i]));
-    }
+pub(crate) fn ypr_lanes<const N: usize>(
+    w: &[f64; N],
+    x: &[f64; N],
+    y: &[f64; N],
+    z: &[f64; N],
+) -> [[f64; 3]; N] {
     let mut out = [[0.0; 3]; N];
     for i in 0..N {
-        out[i] = [yaw[i], pitch[i], roll[i]];
+        out[i] = ypr(Quaternion::new(w[i], x[i], y[i], z[i]));
     }
     out
+}
+
+/// `[yaw, pitch, roll]` of a unit quaternion, rad.
+#[inline(always)]
+pub(super) fn ypr(q: Quaternion) -> [f64; 3] {
+    let [w, x, y, z] = q.to_array();
+    let [sum_y, sum_x] = [z + x, w - y];
+    let [difference_y, difference_x] = [z - x, w + y];
+    let sine = 2.0 * (w * y - x * z);
+    // The squares of the two half angles' points are 1 ∓ sin(pitch): their product is cos²(pitch), with all its
+    // digits near ±π/2.
+    let low = sum_y * sum_y + sum_x * sum_x;
+    let high = difference_y * difference_y + difference_x * difference_x;
+    let cosine = math::sqrt(low * high);
+    let pitch = atan2(sine, cosine);
+    let (sum, difference) = (atan2(sum_y, sum_x), atan2(difference_y, difference_x));
+    // Gimbal lock. Nose up: only yaw − roll is determined; nose down: only yaw + roll.
+    let locked = cosine < GIMBAL_LOCK_COS;
+    let half = either(sine > 0.0, difference, sum);
+    let yaw = wrapped(either(locked, 2.0 * half, sum + difference));
+    let roll = either(locked, 0.0, wrapped(sum - difference));
+    [yaw, pitch, roll]
 }
 
 #[inline(always)]
@@ -80,27 +113,22 @@ fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad - either(angle_rad > PI, TAU, 0.0)) + either(angle_rad < -PI, TAU, 0.0)
 }
 
-/// Angles of the points (x, y), rad in −π … π; 0 of the origin. Within 1e-15 rad.
+/// Angle of the point (x, y), rad in −π … π; 0 of the origin. Within 1e-15 rad.
 #[inline(always)]
-fn atan2<const N: usize>(y: &[f64; N], x: &[f64; N]) -> [f64; N] {
-    let mut out = [0.0; N];
-    for i in 0..N {
-        let (y, x) = (y[i], x[i]);
-        let (above, beside) = (math::abs(y), math::abs(x));
-        // The angle to the nearer axis, 0 … π/4, and beyond π/8 what it lacks to π/4.
-        let steep = above > beside;
-        let low = either(above < beside, above, beside);
-        let high = either(above > beside, above, beside);
-        let far = low > TAN_PI_8 * high;
-        let top = low - either(far, high, 0.0);
-        let bottom = high + either(far, low, 0.0);
-        let t = top / (bottom + f64::MIN_POSITIVE);
-        let u = t * t;
-        let near = (t + t * u * polynomial(u)) + either(far, FRAC_PI_4, 0.0);
-        let right = either(steep, FRAC_PI_2 - near, near);
-        out[i] = either(x < 0.0, PI - right, right).copysign(y);
-    }
-    out
+fn atan2(y: f64, x: f64) -> f64 {
+    let (above, beside) = (math::abs(y), math::abs(x));
+    // The angle to the nearer axis, 0 … π/4, and beyond π/8 what it lacks to π/4.
+    let steep = above > beside;
+    let low = either(above < beside, above, beside);
+    let high = either(above > beside, above, beside);
+    let far = low > TAN_PI_8 * high;
+    let top = low - either(far, high, 0.0);
+    let bottom = high + either(far, low, 0.0);
+    let t = top / (bottom + f64::MIN_POSITIVE);
+    let u = t * t;
+    let near = (t + t * u * polynomial(u)) + either(far, FRAC_PI_4, 0.0);
+    let right = either(steep, FRAC_PI_2 - near, near);
+    either(x < 0.0, PI - right, right).copysign(y)
 }
 
 /// In Estrin's order.
@@ -125,7 +153,7 @@ mod tests {
     fn atan2_of_all_directions() {
         let mut worst: f64 = 0.0;
         let mut check = |y: f64, x: f64| {
-            let [got] = atan2(&[y], &[x]);
+            let got = atan2(y, x);
             worst = worst.max((got - math::atan2(y, x)).abs());
         };
         for k in 0..400_000 {
@@ -139,7 +167,7 @@ mod tests {
         assert!(worst <= 1e-15, "{worst:e}");
         for (y, x) in [(0.0, 1.0), (-0.0, 1.0), (0.0, 0.0), (-0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)]
         {
-            assert_eq!(atan2(&[y], &[x])[0].to_bits(), math::atan2(y, x).to_bits(), "{y} {x}");
+            assert_eq!(atan2(y, x).to_bits(), math::atan2(y, x).to_bits(), "{y} {x}");
         }
     }
 }

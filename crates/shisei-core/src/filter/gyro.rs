@@ -1,8 +1,10 @@
 //! Integration of the rate alone: the exact step, and the classical Runge-Kutta step of fourth order.
 
-use super::Filter;
 use super::exponential::exp_half;
+use super::gyro_lanes::{self, BLOCK};
+use super::{Dt, Filter, check_rows};
 use crate::error::Result;
+use crate::euler::{self, AttitudeRow};
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
@@ -10,30 +12,88 @@ use crate::vector::{self, Vec3};
 pub trait GyroOnly {
     /// One rate, in body axes, and the time since the sample before; `world_from_body` after it.
     fn update_gyro(&mut self, gyro_rad_s: Vec3, dt_s: f64) -> Quaternion;
+
+    /// A series, with the bits of one sample after another. As many rates as rows; steps are checked, rates are not:
+    /// refused at the first row that is not finite.
+    #[inline(always)]
+    fn run<O: AttitudeRow>(&mut self, gyro_rad_s: &[Vec3], dt: Dt<'_>, out: &mut [O]) -> Result<()>
+    where
+        Self: Sized,
+    {
+        check_rows(gyro_rad_s, 0)?;
+        euler::fill(out, |k| self.update_gyro(gyro_rad_s[k], dt.at(k)));
+        Ok(())
+    }
 }
 
 /// `q ← normalise(q ⊗ exp(ω dt / 2))`: exact where the rate is constant over the step.
+///
+/// The turns of [`BLOCK`] samples are multiplied up by themselves, `p ← p ⊗ exp(ω dt / 2)`, and the attitude is that at
+/// the block's start times p. So a series can take many blocks side by side and needs one product a block in
+/// their order; what it gives has the bits of one sample after another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GyroIntegrator {
     world_from_body: Quaternion,
+    /// At the start of the block.
+    world_from_block: Quaternion,
+    /// Since the start of the block; of unit norm to rounding.
+    block_from_body: Quaternion,
+    /// Samples since the start of the block, below [`BLOCK`].
+    samples: u8,
 }
 
 impl GyroIntegrator {
     /// Starts from an attitude, which is normalised; refused when it is zero or not finite.
     pub fn new(world_from_body: Quaternion) -> Result<Self> {
-        Ok(GyroIntegrator { world_from_body: world_from_body.try_normalized()? })
+        Ok(Self::starting(world_from_body.try_normalized()?))
     }
+
+    /// At the start of a block.
+    #[inline(always)]
+    pub(super) fn starting(q: Quaternion) -> Self {
+        GyroIntegrator {
+            world_from_body: q,
+            world_from_block: q,
+            block_from_body: Quaternion::IDENTITY,
+            samples: 0,
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn orientation(&self) -> Quaternion {
+        self.world_from_body
+    }
+
+    /// Samples that are still missing in a block that is under way.
+    #[inline(always)]
+    pub(super) fn missing(&self) -> usize {
+        (BLOCK - usize::from(self.samples)) % BLOCK
+    }
+}
+
+/// The attitude in a block, renormalised without square root or division.
+#[inline(always)]
+pub(super) fn in_block(world_from_block: Quaternion, block_from_body: Quaternion) -> Quaternion {
+    let q = world_from_block.product(block_from_body);
+    let r = 1.5 - 0.5 * q.norm_squared();
+    Quaternion::new(q.w * r, q.x * r, q.y * r, q.z * r)
 }
 
 impl GyroOnly for GyroIntegrator {
     #[inline]
     fn update_gyro(&mut self, gyro_rad_s: Vec3, dt_s: f64) -> Quaternion {
-        let q = self.world_from_body;
-        let turn = exp_half(half_turn(gyro_rad_s, dt_s));
-        let r = 1.5 - 0.5 * q.norm_squared();
-        let p = q.product(turn);
-        self.world_from_body = Quaternion::new(p.w * r, p.x * r, p.y * r, p.z * r);
+        self.block_from_body = self.block_from_body.product(exp_half(half_turn(gyro_rad_s, dt_s)));
+        self.world_from_body = in_block(self.world_from_block, self.block_from_body);
+        self.samples += 1;
+        if usize::from(self.samples) == BLOCK {
+            *self = Self::starting(self.world_from_body);
+        }
         self.world_from_body
+    }
+
+    #[inline(always)]
+    fn run<O: AttitudeRow>(&mut self, gyro_rad_s: &[Vec3], dt: Dt<'_>, out: &mut [O]) -> Result<()> {
+        gyro_lanes::run(self, gyro_rad_s, dt, out)
     }
 }
 

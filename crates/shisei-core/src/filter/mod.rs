@@ -13,6 +13,7 @@
 mod complementary;
 pub mod exponential;
 mod gyro;
+mod gyro_lanes;
 mod mahony;
 mod mahony_adaptive;
 
@@ -109,6 +110,7 @@ impl<F: Filter + ?Sized> Filter for alloc::boxed::Box<F> {
 /// Refused: unequal lengths, numbers that are not finite (with their row), steps that are not greater than
 /// zero. The result may be asked for as [`Quaternion`], `[f64; 4]`, [`Ypr`](crate::Ypr) or `[f64; 3]` (yaw,
 /// pitch, roll). After a refusal `out` and the filter have seen some of the rows before the refused one.
+#[inline(always)]
 pub fn run_into<F: Filter + ?Sized, O: AttitudeRow>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
@@ -148,6 +150,7 @@ pub fn run<F: Filter + ?Sized, O: AttitudeRow + Clone>(
 }
 
 /// Runs a gyroscope integrator over a series of rates; otherwise as [`run_into`].
+#[inline(always)]
 pub fn run_gyro_into<F: GyroOnly, O: AttitudeRow>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
@@ -157,9 +160,7 @@ pub fn run_gyro_into<F: GyroOnly, O: AttitudeRow>(
     let rows = gyro_rad_s.len();
     same_length(rows, out.len())?;
     dt.check(rows)?;
-    check_rows(gyro_rad_s, 0)?;
-    euler::fill(out, |k| filter.update_gyro(gyro_rad_s[k], dt.at(k)));
-    Ok(())
+    filter.run(gyro_rad_s, dt, out)
 }
 
 /// [`run_gyro_into`] with a new vector.
@@ -179,7 +180,18 @@ pub(crate) fn same_length(first: usize, second: usize) -> Result<()> {
 }
 
 /// Refused at the first row that is not finite; rows count from `first_row`.
+#[inline(always)]
 pub(crate) fn check_rows(rows: &[Vec3], first_row: usize) -> Result<()> {
+    // without a way out in between, so that compilers take several at once
+    let mut fine = true;
+    for value in rows.as_flattened() {
+        fine &= value.is_finite();
+    }
+    if fine { Ok(()) } else { refused_row(rows, first_row) }
+}
+
+#[cold]
+fn refused_row(rows: &[Vec3], first_row: usize) -> Result<()> {
     match rows.iter().position(|&v| !vector::is_finite(v)) {
         None => Ok(()),
         Some(k) => Err(Error::NotFinite { row: first_row + k }),

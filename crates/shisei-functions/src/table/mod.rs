@@ -14,7 +14,8 @@ mod update;
 use crate::error::{Error, Result};
 use crate::function::Function;
 use shisei_core::Vec3;
-use shisei_core::filter::{Dt, Filter, run_into};
+use shisei_core::filter::{Dt, Filter};
+use shisei_wide::Vectors;
 
 /// Every function of the table: the 44, then those beyond.
 pub static FUNCTIONS: [Function; 54] = [
@@ -99,6 +100,6 @@ where
     [f64; N]: shisei_core::AttitudeRow,
 {
     series("gyro", gyro_rad_s.len(), |out| {
-        run_into(&mut filter, gyro_rad_s, acc_m_s2, Dt::Constant(dt_s), out)
+        Vectors::widest().run_into(&mut filter, gyro_rad_s, acc_m_s2, Dt::Constant(dt_s), out)
     })
 }

@@ -4,6 +4,7 @@ use crate::function::{Function, function};
 use crate::input::{FiniteVec3, RawQuat, Series, UnitQuat};
 use crate::table::series;
 use shisei_core::{Quaternion, Vec3, Ypr, relative};
+use shisei_wide::Vectors;
 
 pub(super) const IDENTITY_QUAT: Function = function! {
     "IdentityQuat" = IdentityQuaternion in Quaternions, "=IdentityQuat()";
@@ -76,7 +77,7 @@ pub(super) const QUATS2YPRS: Function = function! {
         "N×4, one quaternion a row" / "N 行 4 列、1 行に 1 クォータニオン";)
     -> Vec<Vec3>, "yaw, pitch, roll, rad" / "ヨー、ピッチ、ロール (rad)";
     example QUATS2YPRS;
-    series("quats", quats.rows.len(), |out| relative::convert_series(quats.rows, out))?
+    series("quats", quats.rows.len(), |out| Vectors::widest().convert_series(quats.rows, out))?
 };
 
 pub(super) const YPR2QUAT: Function = function! {

@@ -4,6 +4,7 @@ use crate::function::{Function, function};
 use crate::input::{Series, UnitQuat};
 use crate::table::series;
 use shisei_core::{Quaternion, Ypr, initial, relative};
+use shisei_wide::Vectors;
 
 pub(super) const ACCS2INITIAL_QUAT: Function = function! {
     "Accs2InitialQuat" = GetInitialQuaternionFromAcc in Relative, "=Accs2InitialQuat(B2:D301,0.02,9.6,10)";
@@ -37,7 +38,7 @@ macro_rules! relative {
         }
     };
     (series $name:literal = $export:ident, $formula:literal; $en:literal / $ja:literal;
-     $cols:literal, $ret_en:literal / $ret_ja:literal; $example:ident; $code:expr) => {
+     $cols:literal, $ret_en:literal / $ret_ja:literal; $example:ident; $code:ident) => {
         function! {
             $name = $export in Relative, $formula;
             $en / $ja;
@@ -46,7 +47,7 @@ macro_rules! relative {
             qInitial: UnitQuat, [""] "attitude at the start" / "初期姿勢": "w, x, y, z" / "w, x, y, z";)
             -> Vec<[f64; $cols]>, $ret_en / $ret_ja;
             example $example;
-            series("quats", quats.rows.len(), |out| $code(quats.rows, qInitial.0, out))?
+            series("quats", quats.rows.len(), |out| Vectors::widest().$code(quats.rows, qInitial.0, out))?
         }
     };
 }
@@ -82,23 +83,23 @@ pub(super) const QUAT2WORLD_YPR: Function = relative! {
 pub(super) const QUATS2BODY_QUATS: Function = relative! {
     series "Quats2BodyQuats" = GetBodyQuaternionSeries, "=Quats2BodyQuats(A2:D101,$A$2:$D$2)";
     "Quat2BodyQuat of every row of a series." / "系列の各行について Quat2BodyQuat を返します。";
-    4, "w, x, y, z" / "w, x, y, z"; QUATS2BODY_QUATS; relative::body_series
+    4, "w, x, y, z" / "w, x, y, z"; QUATS2BODY_QUATS; body_series
 };
 
 pub(super) const QUATS2BODY_YPRS: Function = relative! {
     series "Quats2BodyYprs" = GetBodyYawPitchRollSeries, "=Quats2BodyYprs(A2:D101,$A$2:$D$2)";
     "Quat2BodyYpr of every row of a series." / "系列の各行について Quat2BodyYpr を返します。";
-    3, "yaw, pitch, roll, rad" / "ヨー、ピッチ、ロール (rad)"; QUATS2BODY_YPRS; relative::body_series
+    3, "yaw, pitch, roll, rad" / "ヨー、ピッチ、ロール (rad)"; QUATS2BODY_YPRS; body_series
 };
 
 pub(super) const QUATS2WORLD_QUATS: Function = relative! {
     series "Quats2WorldQuats" = GetWorldQuaternionSeries, "=Quats2WorldQuats(A2:D101,$A$2:$D$2)";
     "Quat2WorldQuat of every row of a series." / "系列の各行について Quat2WorldQuat を返します。";
-    4, "w, x, y, z" / "w, x, y, z"; QUATS2WORLD_QUATS; relative::world_series
+    4, "w, x, y, z" / "w, x, y, z"; QUATS2WORLD_QUATS; world_series
 };
 
 pub(super) const QUATS2WORLD_YPRS: Function = relative! {
     series "Quats2WorldYprs" = GetWorldYawPitchRollSeries, "=Quats2WorldYprs(I301:L1672,I301:L301)";
     "Quat2WorldYpr of every row of a series." / "系列の各行について Quat2WorldYpr を返します。";
-    3, "yaw, pitch, roll, rad" / "ヨー、ピッチ、ロール (rad)"; QUATS2WORLD_YPRS; relative::world_series
+    3, "yaw, pitch, roll, rad" / "ヨー、ピッチ、ロール (rad)"; QUATS2WORLD_YPRS; world_series
 };

@@ -4,9 +4,10 @@ use crate::function::{Function, function};
 use crate::input::{FiniteVec3, Series, UnitQuat};
 use crate::table::{filtered, series};
 use shisei_core::filter::{
-    AdaptiveGain, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, MahonyAdaptive, run_gyro_into,
+    AdaptiveGain, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, MahonyAdaptive,
 };
 use shisei_core::{Quaternion, Result, Vec3, Ypr};
+use shisei_wide::Vectors;
 
 /// One sample: a gyroscope step.
 macro_rules! gyro_step {
@@ -59,7 +60,7 @@ macro_rules! gyro_series {
             {
                 let mut filter = $filter::new(qInitial.0)?;
                 series("gyro", gyro.rows.len(), |out| {
-                    run_gyro_into(&mut filter, gyro.rows, Dt::Constant(dt), out)
+                    Vectors::widest().run_gyro_into(&mut filter, gyro.rows, Dt::Constant(dt), out)
                 })?
             }
         }
