@@ -4,7 +4,7 @@
 pub type Vec3 = [f64; 3];
 
 /// a + b.
-#[inline]
+#[inline(always)]
 pub fn add(a: Vec3, b: Vec3) -> Vec3 {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
@@ -28,7 +28,7 @@ pub fn dot(a: Vec3, b: Vec3) -> f64 {
 }
 
 /// a × b.
-#[inline]
+#[inline(always)]
 pub fn cross(a: Vec3, b: Vec3) -> Vec3 {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }

@@ -9,7 +9,7 @@ use std::io::BufRead;
 use std::path::Path;
 
 use shisei_core::filter::exponential::cos_sinc;
-use shisei_core::filter::{Dt, GyroIntegrator, Mahony, run_into};
+use shisei_core::filter::{Dt, GyroIntegrator, Mahony, Readings, run_into};
 use shisei_core::{Quaternion, Vec3, vector};
 use shisei_wide::Vectors;
 
@@ -68,6 +68,7 @@ impl Bench {
                 let mut filter = Mahony::new(start, KP, 0.0).map_err(refused)?;
                 run_into(&mut filter, &self.gyro, &self.acc, dt, &mut self.quaternions).map_err(refused)?;
             }
+            "mahony-many" => self.many(vectors).map_err(refused)?,
             "mahony-plain" => plain(&self.gyro, &self.acc, &mut self.quaternions),
             "gyro" => {
                 let mut filter = GyroIntegrator::new(start).map_err(refused)?;
@@ -78,6 +79,25 @@ impl Bench {
         }
         black_box((&self.quaternions, &self.ypr_rad));
         Ok(())
+    }
+}
+
+impl Bench {
+    /// The samples as recordings of a hundredth each.
+    fn many(&mut self, vectors: Vectors) -> shisei_core::Result<()> {
+        let rows = self.gyro.len() / 100;
+        let filter = Mahony::new(Quaternion::IDENTITY, KP, 0.0)?;
+        let readings =
+            self.gyro.chunks(rows).zip(self.acc.chunks(rows)).zip(self.quaternions.chunks_mut(rows));
+        let recording = |((gyro_rad_s, acc_m_s2), out)| Readings {
+            filter,
+            gyro_rad_s,
+            acc_m_s2,
+            dt: Dt::Constant(DT_S),
+            out,
+        };
+        let mut recordings: Vec<_> = readings.map(recording).collect();
+        vectors.run_many_into(&mut recordings).map_err(|(_, error)| error)
     }
 }
 

@@ -16,9 +16,9 @@
 #![warn(missing_docs)]
 #![allow(unsafe_code)] // a copy for AVX2 may be called only where there is AVX2: `Vectors` is the proof
 
-use shisei_core::filter::{Dt, Filter, GyroOnly, run_gyro_into, run_into};
+use shisei_core::filter::{Dt, Filter, GyroOnly, Readings, run_gyro_into, run_into, run_many_into};
 use shisei_core::orient::Orientation;
-use shisei_core::{AttitudeRow, Quaternion, Result, Vec3, relative};
+use shisei_core::{AttitudeRow, Error, Quaternion, Result, Vec3, relative};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))] // others have what they are compiled for
@@ -146,5 +146,12 @@ wide! {
         out: &mut [O],
     ) -> Result<()> {
         run_gyro_into(filter, gyro_rad_s, dt, out)
+    }
+}
+
+wide! {
+    /// [`run_many_into`].
+    run_many_into<O: AttitudeRow>(recordings: &mut [Readings<'_, O>]) -> std::result::Result<(), (usize, Error)> {
+        run_many_into(recordings)
     }
 }

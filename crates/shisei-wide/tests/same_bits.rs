@@ -1,7 +1,7 @@
 //! Every width of vectors, and one row at a time, give the same bits.
 
 use shisei_core::filter::{
-    Complementary, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, run_gyro_into, run_into,
+    Complementary, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, Readings, run_gyro_into, run_into,
 };
 use shisei_core::orient::{self, Method, Relative, RestChoice, Settings};
 use shisei_core::{AttitudeRow, Error, Quaternion, Vec3, Ypr, relative};
@@ -230,6 +230,108 @@ fn angles_of_an_orientation_are_those_of_its_rows() {
         let expected: Vec<[f64; 3]> = (0..300).map(|k| found.ypr(k).to_array()).collect();
         for vectors in Vectors::all() {
             assert_eq!(bits(&vectors.ypr_rad(&found)), bits(&expected));
+        }
+    }
+}
+
+/// Recordings of all kinds, more of them than go side by side: with gaps in the acceleration, turns beyond the
+/// polynomial's range, huge numbers, a bias that is learnt, steps of their own.
+fn recordings() -> Vec<(Mahony, Vec<Vec3>, Vec<Vec3>, Vec<f64>)> {
+    let start = Quaternion::from_array([0.9, 0.1, -0.3, 0.2]);
+    let lengths = [0, 1, 31, 32, 33, 64, 100, 500, 257, 7, 320, 96, 95, 97, 1000, 40, 41, 42, 128];
+    let all = lengths.iter().enumerate().map(|(i, &rows)| {
+        let mut input = Input(i as u64);
+        let gyro = (0..rows).map(|k| input.row(if (k + i) % 61 == 0 { 1e4 } else { 2.0 })).collect();
+        let scale = |k: usize| match (k + i) % 53 {
+            0 => 0.0,
+            1 => 1e200,
+            2 => 1e-200,
+            _ => 10.0,
+        };
+        let acc = (0..rows).map(|k| input.row(scale(k))).collect();
+        let filter = Mahony::new(start, 0.1 * i as f64, if i % 3 == 0 { 0.05 } else { 0.0 }).unwrap();
+        (filter, gyro, acc, (0..rows).map(|k| 0.01 + 0.001 * (k % 4) as f64).collect())
+    });
+    all.collect()
+}
+
+fn dt(index: usize, steps: &[f64]) -> Dt<'_> {
+    if index % 2 == 0 { Dt::Constant(0.01) } else { Dt::PerSample(steps) }
+}
+
+#[test]
+fn recordings_side_by_side_get_the_bits_that_they_get_alone() {
+    let given = recordings();
+    for count in [0, 1, 2, 3, 5, 8, 9, given.len()] {
+        for vectors in Vectors::all() {
+            let mut quaternions: Vec<Vec<[f64; 4]>> =
+                given.iter().map(|g| vec![[0.0; 4]; g.1.len()]).collect();
+            let mut angles: Vec<Vec<[f64; 3]>> = given.iter().map(|g| vec![[0.0; 3]; g.1.len()]).collect();
+            let mut ends = Vec::new();
+            let mut readings = Vec::new();
+            for (i, ((filter, gyro, acc, steps), out)) in
+                given.iter().zip(&mut quaternions).enumerate().take(count)
+            {
+                readings.push(Readings {
+                    filter: *filter,
+                    gyro_rad_s: gyro,
+                    acc_m_s2: acc,
+                    dt: dt(i, steps),
+                    out,
+                });
+            }
+            vectors.run_many_into(&mut readings).unwrap();
+            ends.extend(readings.iter().map(|r| r.filter));
+            let mut readings = Vec::new();
+            for (i, ((filter, gyro, acc, steps), out)) in
+                given.iter().zip(&mut angles).enumerate().take(count)
+            {
+                readings.push(Readings {
+                    filter: *filter,
+                    gyro_rad_s: gyro,
+                    acc_m_s2: acc,
+                    dt: dt(i, steps),
+                    out,
+                });
+            }
+            vectors.run_many_into(&mut readings).unwrap();
+
+            for (i, (filter, gyro, acc, steps)) in given.iter().enumerate().take(count) {
+                let mut live = *filter;
+                for k in 0..gyro.len() {
+                    let q = live.update(gyro[k], acc[k], dt(i, steps).at(k));
+                    assert_eq!(
+                        bits4(&[quaternions[i][k]]),
+                        bits4(&[q.to_array()]),
+                        "{vectors:?} {count} {i} {k}"
+                    );
+                    assert_eq!(bits(&[angles[i][k]]), bits(&[q.to_ypr().to_array()]));
+                }
+                assert_eq!(ends[i], live);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_recording_that_is_refused_leaves_the_others() {
+    let mut given = recordings();
+    given[7].1[300][1] = f64::NAN;
+    given[10].2[319][2] = f64::INFINITY;
+    given[14].3[999] = 0.0; // its step is constant
+    given[17].3[3] = 0.0;
+    let mut out: Vec<Vec<[f64; 4]>> = given.iter().map(|g| vec![[0.0; 4]; g.1.len()]).collect();
+    let mut readings = Vec::new();
+    for (i, ((filter, gyro, acc, steps), out)) in given.iter().zip(&mut out).enumerate() {
+        readings.push(Readings { filter: *filter, gyro_rad_s: gyro, acc_m_s2: acc, dt: dt(i, steps), out });
+    }
+    let refused = Vectors::widest().run_many_into(&mut readings);
+    assert_eq!(refused, Err((7, Error::NotFinite { row: 300 })));
+    for (i, (mut filter, gyro, acc, steps)) in given.into_iter().enumerate() {
+        let mut alone = vec![[0.0; 4]; gyro.len()];
+        match run_into(&mut filter, &gyro, &acc, dt(i, &steps), &mut alone) {
+            Ok(()) => assert_eq!(bits4(&out[i]), bits4(&alone), "{i}"),
+            Err(error) => assert!([7, 10, 17].contains(&i), "{i} {error}"),
         }
     }
 }

@@ -90,9 +90,14 @@ pub fn exp_half(h: Vec3) -> Quaternion {
 /// the only chain from q to the result is the product.
 #[inline(always)]
 pub(crate) fn advance(q: Quaternion, h: Vec3) -> Quaternion {
+    advance_by(q, turn(h))
+}
+
+/// [`advance`] by what [`turn`] gives.
+#[inline(always)]
+pub(super) fn advance_by(q: Quaternion, (c, s, h): (f64, f64, Vec3)) -> Quaternion {
     let r = 1.5 - 0.5 * q.norm_squared();
     let (w, x, y, z) = (q.w * r, q.x * r, q.y * r, q.z * r);
-    let (c, s, h) = turn(h);
     // p ⊗ (0, h), beside the polynomials
     let uw = -(x * h[0] + y * h[1] + z * h[2]);
     let ux = w * h[0] + y * h[2] - z * h[1];
@@ -106,12 +111,20 @@ pub(crate) fn advance(q: Quaternion, h: Vec3) -> Quaternion {
 #[inline(always)]
 pub(crate) fn direction(a: Vec3) -> (Vec3, f64) {
     let square = vector::dot(a, a);
-    if square > 1e-200 && square < 1e200 {
-        let length = math::sqrt(square);
-        (vector::scale(a, 1.0 / length), length)
-    } else {
-        extreme_direction(a)
-    }
+    if is_ordinary(square) { ordinary_direction(a, square) } else { extreme_direction(a) }
+}
+
+/// Whether a square is that of a finite vector, and its root good to the last bit.
+#[inline(always)]
+pub(crate) fn is_ordinary(square: f64) -> bool {
+    (square > 1e-200) & (square < 1e200)
+}
+
+/// [`direction`] of a vector whose square [is ordinary](is_ordinary).
+#[inline(always)]
+pub(crate) fn ordinary_direction(a: Vec3, square: f64) -> (Vec3, f64) {
+    let length = math::sqrt(square);
+    (vector::scale(a, 1.0 / length), length)
 }
 
 #[cold]

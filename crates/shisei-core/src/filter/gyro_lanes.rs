@@ -2,43 +2,18 @@
 
 use super::exponential::{POLYNOMIAL_LIMIT, cos_sinc, exp_half};
 use super::gyro::{GyroIntegrator, GyroOnly, half_turn, in_block};
+use super::lanes::{LANES, Lanes};
 use super::{Dt, check_rows};
 use crate::error::Result;
-use crate::euler::{AttitudeRow, ypr_lanes};
+use crate::euler::AttitudeRow;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
 /// Samples whose turns are multiplied up by themselves.
 pub(super) const BLOCK: usize = 16;
 
-/// Blocks side by side.
-const LANES: usize = 8;
-
 /// Samples that are taken together.
 const CHUNK: usize = BLOCK * LANES;
-
-/// Unit quaternions of all lanes.
-#[derive(Clone, Copy)]
-struct Lanes {
-    w: [f64; LANES],
-    x: [f64; LANES],
-    y: [f64; LANES],
-    z: [f64; LANES],
-}
-
-impl Lanes {
-    const IDENTITY: Lanes = Lanes { w: [1.0; LANES], x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES] };
-
-    #[inline(always)]
-    fn at(&self, lane: usize) -> Quaternion {
-        Quaternion::new(self.w[lane], self.x[lane], self.y[lane], self.z[lane])
-    }
-
-    #[inline(always)]
-    fn set(&mut self, lane: usize, q: Quaternion) {
-        [self.w[lane], self.x[lane], self.y[lane], self.z[lane]] = q.to_array();
-    }
-}
 
 /// [`GyroOnly::run`] of the integrator.
 #[inline(always)]
@@ -115,16 +90,7 @@ fn blocks<O: AttitudeRow>(
         for lane in 0..LANES {
             attitudes.set(lane, in_block(starts.at(lane), in_blocks[step].at(lane)));
         }
-        if O::ANGLES {
-            let ypr_rad = ypr_lanes(&attitudes.w, &attitudes.x, &attitudes.y, &attitudes.z);
-            for lane in 0..LANES {
-                rows[lane * BLOCK + step] = O::from_angles(ypr_rad[lane]);
-            }
-        } else {
-            for lane in 0..LANES {
-                rows[lane * BLOCK + step] = O::from(attitudes.at(lane));
-            }
-        }
+        attitudes.write(|lane, row| rows[lane * BLOCK + step] = row);
     }
     q
 }

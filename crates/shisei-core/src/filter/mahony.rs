@@ -20,8 +20,8 @@ use crate::vector::{self, Vec3};
 /// Mahony's filter with constant gains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mahony {
-    kp: f64,
-    chain: Chain,
+    pub(super) kp: f64,
+    pub(super) chain: Chain,
 }
 
 impl Mahony {
@@ -38,6 +38,11 @@ impl Mahony {
             kp: not_negative("kp", kp)?,
             chain: Chain::new(world_from_body, not_negative("ki", ki)?)?,
         })
+    }
+
+    /// A filter that has run before.
+    pub(super) fn in_the_middle(kp: f64, ki: f64, world_from_body: Quaternion, integral_rad_s: Vec3) -> Self {
+        Mahony { kp, chain: Chain { world_from_body, integral_rad_s, ki } }
     }
 
     /// The integral i, rad/s in body axes: minus the gyroscope bias learnt so far.
@@ -79,12 +84,35 @@ impl Prepared {
     }
 }
 
+/// ½ v; |q| = 1 makes its z w² + z² − ½.
+#[inline(always)]
+pub(super) fn half_up(q: Quaternion) -> Vec3 {
+    [q.x * q.z - q.w * q.y, q.w * q.x + q.y * q.z, (q.w * q.w - 0.5) + q.z * q.z]
+}
+
+/// The half turn with the pull towards the accelerometer: a × ½ v is added.
+#[inline(always)]
+pub(super) fn pulled(base: Vec3, a: Vec3, v: Vec3) -> Vec3 {
+    [
+        (base[0] - a[2] * v[1]) + a[1] * v[2],
+        (base[1] + a[2] * v[0]) - a[0] * v[2],
+        (base[2] + a[0] * v[1]) - a[1] * v[0],
+    ]
+}
+
+/// i + ki e dt.
+#[inline(always)]
+pub(super) fn integrated(integral_rad_s: Vec3, acc_unit: Vec3, half_v: Vec3, ki: f64, dt_s: f64) -> Vec3 {
+    let e = vector::cross(acc_unit, half_v);
+    vector::add(integral_rad_s, vector::scale(e, 2.0 * (ki * dt_s)))
+}
+
 /// The state that waits for the sample before, shared by both Mahony filters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Chain {
     pub(super) world_from_body: Quaternion,
     pub(super) integral_rad_s: Vec3,
-    ki: f64,
+    pub(super) ki: f64,
 }
 
 impl Chain {
@@ -95,24 +123,16 @@ impl Chain {
     #[inline(always)]
     pub(super) fn step(&mut self, sample: &Prepared, dt_s: f64) -> Quaternion {
         let q = self.world_from_body;
-        // ½ v; |q| = 1 makes its z w² + z² − ½
-        let v = [q.x * q.z - q.w * q.y, q.w * q.x + q.y * q.z, (q.w * q.w - 0.5) + q.z * q.z];
+        let v = half_up(q);
         let base = if self.ki == 0.0 { sample.half_turn } else { self.integrate(sample, v, dt_s) };
-        let a = sample.pull;
-        let h = [
-            (base[0] - a[2] * v[1]) + a[1] * v[2],
-            (base[1] + a[2] * v[0]) - a[0] * v[2],
-            (base[2] + a[0] * v[1]) - a[1] * v[0],
-        ];
-        self.world_from_body = advance(q, h);
+        self.world_from_body = advance(q, pulled(base, sample.pull, v));
         self.world_from_body
     }
 
     /// i ← i + ki e dt, and ½ (ω + i) dt. An integral that would overflow stays as it is.
     #[inline(always)]
     fn integrate(&mut self, sample: &Prepared, half_v: Vec3, dt_s: f64) -> Vec3 {
-        let e = vector::cross(sample.acc_unit, half_v);
-        let i = vector::add(self.integral_rad_s, vector::scale(e, 2.0 * (self.ki * dt_s)));
+        let i = integrated(self.integral_rad_s, sample.acc_unit, half_v, self.ki, dt_s);
         if dt_s > 0.0 && vector::is_finite(i) {
             self.integral_rad_s = i;
         }

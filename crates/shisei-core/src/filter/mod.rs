@@ -14,13 +14,16 @@ mod complementary;
 pub mod exponential;
 mod gyro;
 mod gyro_lanes;
+mod lanes;
 mod mahony;
 mod mahony_adaptive;
+mod mahony_lanes;
 
 pub use complementary::{Complementary, DEFAULT_ALPHA};
 pub use gyro::{GyroIntegrator, GyroOnly, GyroRk4};
 pub use mahony::Mahony;
 pub use mahony_adaptive::{AdaptiveGain, MahonyAdaptive};
+pub use mahony_lanes::{Readings, run_many_into};
 
 use crate::error::{Error, Result};
 use crate::euler::{self, AttitudeRow};
