@@ -3,12 +3,13 @@
 use crate::arrays::{Step, rows, table};
 use crate::errors::exception;
 use crate::threads::SideBySide;
-use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use shisei_core::filter::{
     AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, MahonyAdaptive,
+    Readings,
 };
 use shisei_core::motion::{DeadReckoning, MotionState, Scheme};
 use shisei_core::orient::{self as whole, Method, Relative, RestChoice, Settings};
@@ -73,6 +74,34 @@ pub fn run_filter<'py>(
         other => return Err(PyValueError::new_err(format!("there is no filter {other:?}"))),
     };
     table(py, out.map_err(|error| exception(kind, error))?)
+}
+
+/// A recording as the package gives it: start, kp, ki, rates, accelerations, step.
+type Given<'py> = (Quat, f64, f64, PyReadonlyArray2<'py, f64>, PyReadonlyArray2<'py, f64>, Step<'py>);
+
+/// Mahony's filter over several recordings side by side.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn run_mahony_many<'py>(
+    py: Python<'py>,
+    recordings: Vec<Given<'py>>,
+) -> PyResult<Vec<Bound<'py, PyArray2<f64>>>> {
+    let mut outs: Vec<Vec<Quat>> =
+        recordings.iter().map(|given| vec![[0.0; 4]; given.3.shape()[0]]).collect();
+    let mut readings = Vec::with_capacity(outs.len());
+    for ((start, kp, ki, gyro, acc, step), out) in recordings.iter().zip(&mut outs) {
+        let filter = Mahony::new(Quaternion::from_array(*start), *kp, *ki);
+        readings.push(Readings {
+            filter: filter.map_err(|error| exception("mahony", error))?,
+            gyro_rad_s: rows::<3>(gyro, "gyro_rad_s")?,
+            acc_m_s2: rows::<3>(acc, "acc_m_s2")?,
+            dt: step.dt()?,
+            out,
+        });
+    }
+    py.detach(|| Vectors::widest().run_many_into(&mut readings))
+        .map_err(|(_, error)| exception("mahony", error))?;
+    outs.into_iter().map(|out| table(py, out)).collect()
 }
 
 /// Mahony's filter, one sample at a time.

@@ -24,6 +24,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(sheet::functions, module)?)?;
     module.add_function(wrap_pyfunction!(sheet::call, module)?)?;
     module.add_function(wrap_pyfunction!(filters::run_filter, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::run_mahony_many, module)?)?;
     module.add_function(wrap_pyfunction!(filters::orient, module)?)?;
     module.add_function(wrap_pyfunction!(filters::slerp, module)?)?;
     module.add_function(wrap_pyfunction!(filters::multiply, module)?)?;

@@ -193,8 +193,18 @@ def test_many_recordings_are_each_alone():
     for threads in [None, 1, 3]:
         together = shisei.many(shisei.mahony, trials, threads=threads, rate_hz=100, start=q0)
         assert all(np.array_equal(a, b) for a, b in zip(alone, together, strict=True))
+    q0s = [shisei.from_ypr([0.1 * k, 0.2, 0.3]) for k in range(8)]
+    times = [np.cumsum(np.full(len(t["gyro_rad_s"]), 0.01 + 0.001 * k)) for k, t in enumerate(trials)]
+    own = [dict(t, start=q, kp=0.1 * k, ki=0.01 * k, time_s=s) for k, (t, q, s) in enumerate(zip(trials, q0s, times))]
+    for a, b in zip([shisei.mahony(**t) for t in own], shisei.many(shisei.mahony, own, threads=1), strict=True):
+        assert np.array_equal(a, b)
+    trials[5]["gyro_rad_s"] = trials[5]["gyro_rad_s"].copy()
+    trials[5]["gyro_rad_s"][1234, 1] = np.nan
+    with pytest.raises(shisei.DomainError, match="1235|1234"):
+        shisei.many(shisei.mahony, trials, threads=1, rate_hz=100)
     trials[3]["acc_m_s2"] = trials[3]["acc_m_s2"][:-1]
-    with pytest.raises(shisei.ShapeError):
-        shisei.many(shisei.mahony, trials, rate_hz=100)
+    for threads in [None, 1]:
+        with pytest.raises(shisei.ShapeError):
+            shisei.many(shisei.mahony, trials, threads=threads, rate_hz=100)
     with pytest.raises(ValueError, match="threads"):
         shisei.many(shisei.mahony, [], threads=-1)

@@ -116,6 +116,7 @@ pub(crate) fn direction(a: Vec3) -> (Vec3, f64) {
 
 /// Whether a square is that of a finite vector, and its root good to the last bit.
 #[inline(always)]
+#[allow(clippy::needless_bitwise_bool)] // no branch, so that compilers take several at once
 pub(crate) fn is_ordinary(square: f64) -> bool {
     (square > 1e-200) & (square < 1e200)
 }

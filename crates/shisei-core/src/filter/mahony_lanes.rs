@@ -300,7 +300,7 @@ impl Tile {
             if !ordinary {
                 let sample = |lane: usize| (gyro_rad_s[lane][k], acc_m_s2[lane][k], dt_s[lane]);
                 (attitudes, integrals) =
-                    one_by_one((kp, ki), (before, integrals_before), core::array::from_fn(sample));
+                    one_by_one((kp, ki), (before, integrals_before), &core::array::from_fn(sample));
             }
             attitudes.write(|lane, row| rows[lane][k] = row);
         }
@@ -319,12 +319,12 @@ fn vector_at(vectors: &[Lane; 3], lane: usize) -> Vec3 {
 fn one_by_one(
     (kp, ki): (Lane, Lane),
     (mut attitudes, mut integrals): (Lanes, [Lane; 3]),
-    samples: [(Vec3, Vec3, f64); LANES],
+    samples: &[(Vec3, Vec3, f64); LANES],
 ) -> (Lanes, [Lane; 3]) {
-    for (lane, (gyro_rad_s, acc_m_s2, dt_s)) in samples.into_iter().enumerate() {
+    for (lane, (gyro_rad_s, acc_m_s2, dt_s)) in samples.iter().enumerate() {
         let q = attitudes.at(lane);
         let mut filter = Mahony::in_the_middle(kp[lane], ki[lane], q, vector_at(&integrals, lane));
-        attitudes.set(lane, filter.update(gyro_rad_s, acc_m_s2, dt_s));
+        attitudes.set(lane, filter.update(*gyro_rad_s, *acc_m_s2, *dt_s));
         for (axis, i) in filter.integral_rad_s().into_iter().enumerate() {
             integrals[axis][lane] = i;
         }

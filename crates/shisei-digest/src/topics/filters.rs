@@ -1,8 +1,10 @@
 //! Orientation filters: sample by sample with the real steps, and as a series with the same step.
 
+use alloc::vec::Vec;
+
 use shisei_core::filter::{
     AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, MahonyAdaptive,
-    exponential, run, run_gyro,
+    Readings, exponential, run, run_gyro, run_many_into,
 };
 use shisei_core::{Quaternion, Result, STANDARD_GRAVITY_M_S2, Ypr};
 
@@ -33,6 +35,30 @@ pub fn mahony(digest: &mut Digest) {
         filter(digest, || Mahony::new(start, kp, ki));
     }
     digest.push_result(Mahony::new(start, -1.0, 0.0).map(|_| ()), |_, ()| ());
+    side_by_side(digest, start);
+}
+
+/// Recordings of unequal lengths, three of them at a time.
+fn side_by_side(digest: &mut Digest, start: Quaternion) {
+    let Recording { gyro_rad_s, acc_m_s2, dt_s } = recording(22, 150);
+    let mut rows = [[Quaternion::IDENTITY; 100]; 4];
+    let made: Result<Vec<Readings<'_, Quaternion>>> = rows
+        .iter_mut()
+        .enumerate()
+        .map(|(i, out)| {
+            let part = 10 * i..10 * i + 100 - 7 * i;
+            Ok(Readings {
+                filter: Mahony::new(start, 0.5 * i as f64, if i == 2 { 0.01 } else { 0.0 })?,
+                gyro_rad_s: &gyro_rad_s[part.clone()],
+                acc_m_s2: &acc_m_s2[part.clone()],
+                dt: Dt::PerSample(&dt_s[part.clone()]),
+                out: &mut out[..part.len()],
+            })
+        })
+        .collect();
+    let done = made.and_then(|mut readings| run_many_into(&mut readings).map_err(|(_, error)| error));
+    digest
+        .push_result(done, |digest, ()| rows.as_flattened().iter().for_each(|&q| digest.push_quaternion(q)));
 }
 
 pub fn mahony_adaptive(digest: &mut Digest) {

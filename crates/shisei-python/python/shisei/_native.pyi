@@ -24,6 +24,11 @@ def run_filter(
     acc_m_s2: NDArray[float64] | None,
     dt_s: float | NDArray[float64],
 ) -> NDArray[float64]: ...
+def run_mahony_many(
+    recordings: list[
+        tuple[list[float], float, float, NDArray[float64], NDArray[float64], float | NDArray[float64]]
+    ],
+) -> list[NDArray[float64]]: ...
 def orient(
     kind: str,
     parameters: list[float],

@@ -34,6 +34,16 @@ def _run(kind: str, parameters: list[float], start: Any, gyro_rad_s: Any, acc_m_
     return run_filter(kind, parameters, vector(start, 4, "start"), gyro, acc, step)
 
 
+Given = tuple[list[float], float, float, Floats, Floats, float | Floats]
+
+
+def mahony_given(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
+                 dt_s: float | None = None, start: Any = IDENTITY, kp: float = 0.2, ki: float = 0.0) -> Given:
+    """What :func:`mahony` is given, as the native side takes many of it."""
+    gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
+    return vector(start, 4, "start"), kp, ki, gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s)
+
+
 def mahony(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
            dt_s: float | None = None, start: Any = IDENTITY, kp: float = 0.2, ki: float = 0.0) -> Floats:
     """Mahony's filter. Returns (N, 4), ``world_from_body`` after each sample.
