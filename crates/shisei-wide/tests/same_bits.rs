@@ -234,9 +234,12 @@ fn angles_of_an_orientation_are_those_of_its_rows() {
     }
 }
 
+/// A filter, rates, accelerations and steps.
+type Given = (Mahony, Vec<Vec3>, Vec<Vec3>, Vec<f64>);
+
 /// Recordings of all kinds, more of them than go side by side: with gaps in the acceleration, turns beyond the
 /// polynomial's range, huge numbers, a bias that is learnt, steps of their own.
-fn recordings() -> Vec<(Mahony, Vec<Vec3>, Vec<Vec3>, Vec<f64>)> {
+fn recordings() -> Vec<Given> {
     let start = Quaternion::from_array([0.9, 0.1, -0.3, 0.2]);
     let lengths = [0, 1, 31, 32, 33, 64, 100, 500, 257, 7, 320, 96, 95, 97, 1000, 40, 41, 42, 128];
     let all = lengths.iter().enumerate().map(|(i, &rows)| {
@@ -256,7 +259,7 @@ fn recordings() -> Vec<(Mahony, Vec<Vec3>, Vec<Vec3>, Vec<f64>)> {
 }
 
 fn dt(index: usize, steps: &[f64]) -> Dt<'_> {
-    if index % 2 == 0 { Dt::Constant(0.01) } else { Dt::PerSample(steps) }
+    if index.is_multiple_of(2) { Dt::Constant(0.01) } else { Dt::PerSample(steps) }
 }
 
 #[test]
