@@ -4,6 +4,7 @@
 
 use shisei_core::filter::{
     AdaptiveGain, Complementary, Dt, Filter, GyroIntegrator, GyroOnly, GyroRk4, Mahony, MahonyAdaptive, run,
+    run_gyro,
 };
 use shisei_core::{Error, Quaternion, Vec3, Ypr, initial, vector};
 
@@ -166,6 +167,19 @@ fn a_whole_turn() {
         filter.update_gyro(rate, 1e-3);
     }
     assert!(error(filter.orientation(), start()) < 1e-12);
+}
+
+/// A thousand whole turns, as a series: what rounding adds up to, and the norm on the way.
+#[test]
+fn a_thousand_turns_in_a_series() {
+    let rate = vector::scale([2.0 / 3.0, -1.0 / 3.0, 2.0 / 3.0], std::f64::consts::TAU);
+    let mut filter = GyroIntegrator::new(start()).unwrap();
+    let rows: Vec<Quaternion> = run_gyro(&mut filter, &vec![rate; 100_000], Dt::Constant(0.01)).unwrap();
+    for (turn, rows) in rows.chunks(100).enumerate() {
+        let after = rows[99];
+        assert!(error(after, start()) < 1e-11, "{turn}: {}", error(after, start()));
+        assert!(rows.iter().all(|q| (q.norm_squared() - 1.0).abs() < 4e-15));
+    }
 }
 
 #[test]
