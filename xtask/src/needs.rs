@@ -206,7 +206,8 @@ fn installed_pip(project: &Project) -> BTreeMap<String, String> {
 }
 
 fn pairs(lines: &str) -> BTreeMap<String, String> {
-    let split = |line: &str| line.trim().split_once("==").map(|(name, v)| (name.to_owned(), v.to_owned()));
+    let split =
+        |line: &str| line.trim().split_once("==").map(|(name, v)| (name.to_lowercase(), v.to_owned()));
     lines.lines().filter(|line| !line.starts_with('#')).filter_map(split).collect()
 }
 
