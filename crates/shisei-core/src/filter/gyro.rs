@@ -28,7 +28,7 @@ pub trait GyroOnly {
 
 /// `q ← normalise(q ⊗ exp(ω dt / 2))`: exact where the rate is constant over the step.
 ///
-/// The turns of [`BLOCK`] samples are multiplied up by themselves, `p ← p ⊗ exp(ω dt / 2)`, and the attitude is that at
+/// The turns of sixteen samples are multiplied up by themselves, `p ← p ⊗ exp(ω dt / 2)`, and the attitude is that at
 /// the block's start times p. So a series can take many blocks side by side and needs one product a block in
 /// their order; what it gives has the bits of one sample after another.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -35,11 +35,11 @@ pub fn mahony(digest: &mut Digest) {
         filter(digest, || Mahony::new(start, kp, ki));
     }
     digest.push_result(Mahony::new(start, -1.0, 0.0).map(|_| ()), |_, ()| ());
-    side_by_side(digest, start);
 }
 
-/// Recordings of unequal lengths, three of them at a time.
-fn side_by_side(digest: &mut Digest, start: Quaternion) {
+/// Recordings of unequal lengths side by side.
+pub fn mahony_lanes(digest: &mut Digest) {
+    let start = Input::new(15).quaternion();
     let Recording { gyro_rad_s, acc_m_s2, dt_s } = recording(22, 150);
     let mut rows = [[Quaternion::IDENTITY; 100]; 4];
     let made: Result<Vec<Readings<'_, Quaternion>>> = rows

@@ -48,6 +48,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "filter/exponential", run: filters::exponential },
     Topic { name: "filter/gyro", run: filters::gyro },
     Topic { name: "filter/mahony", run: filters::mahony },
+    Topic { name: "filter/mahony_lanes", run: filters::mahony_lanes },
     Topic { name: "filter/mahony_adaptive", run: filters::mahony_adaptive },
     Topic { name: "filter/complementary", run: filters::complementary },
     Topic { name: "rest", run: rest::rest },
