@@ -2,7 +2,7 @@
 
 use crate::blocks::{Blocks, SHORT};
 use crate::error::{Error, Place, Problem, Result, shorten};
-use crate::number::{self, Cell};
+use crate::number::{self, Cell, Shape};
 use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
 use crate::stamp::{self, Cycle};
 use shisei_core::Vec3;
@@ -211,7 +211,7 @@ struct Joined<'a, 's> {
     line_number: usize,
     /// The first of the incomplete rows that may be the end, and their number.
     pending: Option<(Error, usize)>,
-    shape: Vec<u8>,
+    shape: Vec<Shape>,
 }
 
 /// The rows at the start of a block that are plain numbers.
@@ -227,7 +227,7 @@ impl<'a, 's> Joined<'a, 's> {
         let wanted = reader.wanted;
         let mut out = Body::new(wanted);
         reserve(&mut out, reader.sheet, length, wanted);
-        let shape = vec![0; reader.needed];
+        let shape = vec![Shape::default(); reader.needed];
         Joined { reader, out, line_number: reader.sheet.data_line - 1, pending: None, shape }
     }
 
@@ -237,6 +237,7 @@ impl<'a, 's> Joined<'a, 's> {
 
     fn alone(&mut self, mut blocks: Blocks<'_>) -> Result<()> {
         while let Some(block) = blocks.next().map_err(|e| self.unreadable(&e))? {
+            self.shape.iter_mut().for_each(Shape::trust);
             self.rest(&block, 0)?;
             blocks.give_back(block);
         }
@@ -251,7 +252,7 @@ impl<'a, 's> Joined<'a, 's> {
         std::thread::scope(|scope| {
             for _ in 0..threads {
                 scope.spawn(|| {
-                    let mut shape = vec![0; reader.needed];
+                    let mut shape = vec![Shape::default(); reader.needed];
                     loop {
                         let job = receive.lock().map_or(None, |jobs| jobs.recv().ok());
                         let Some((block, answer)) = job else { return };
@@ -443,7 +444,8 @@ pub(crate) fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
 
 impl Reader<'_, '_> {
     /// Reads the plain rows at the start of a block.
-    fn start<'b>(&self, block: Cow<'b, [u8]>, shape: &mut [u8]) -> Start<'b> {
+    fn start<'b>(&self, block: Cow<'b, [u8]>, shape: &mut [Shape]) -> Start<'b> {
+        shape.iter_mut().for_each(Shape::trust);
         let mut rows = Body::new(self.wanted);
         reserve(&mut rows, self.sheet, block.len() as u64, self.wanted);
         let mut row = [0.0f64; SLOTS];
@@ -461,21 +463,18 @@ impl Reader<'_, '_> {
     }
 
     /// Reads a row of plain numbers; gives the start of the next line, or nothing where the row needs care.
-    /// `shape` has the digits after the point of each column in the row before.
+    /// `shape` has what each column's number in the row before looked like.
     #[inline]
-    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [u8]) -> Option<usize> {
+    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [Shape]) -> Option<usize> {
         let Delimiter::Byte(separator) = self.sheet.delimiter else { return None };
         let decimal = self.sheet.decimal;
         let mut at = start;
         let last = self.needed - 1;
-        for ((column, action), places) in self.action.iter().enumerate().zip(shape) {
+        for ((column, action), shape) in self.action.iter().enumerate().zip(shape) {
             let end = match action {
                 Action::Number(slot) => {
                     let place = row.get_mut(usize::from(*slot))?;
-                    let (value, end) = number::scan_like(text, at, decimal, places).or_else(|| {
-                        let blank = text.get(at) == Some(&b' ');
-                        if blank { number::scan_like(text, at + 1, decimal, places) } else { None }
-                    })?;
+                    let (value, end) = number::scan_like(text, at, decimal, separator, shape)?;
                     *place = value;
                     end
                 }

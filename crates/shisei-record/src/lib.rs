@@ -24,6 +24,8 @@ mod number;
 mod open;
 pub mod options;
 #[cfg(feature = "parquet")]
+mod parquet_pages;
+#[cfg(feature = "parquet")]
 mod parquet_read;
 #[cfg(feature = "parquet")]
 pub mod parquet_write;
