@@ -166,6 +166,8 @@ struct Reader<'a, 's> {
     action: Vec<Action>,
     /// Columns up to the last wanted one.
     needed: usize,
+    /// Columns at the start, save the last wanted one, that are all plain numbers.
+    plain: usize,
 }
 
 /// Reads all rows of a text in memory.
@@ -189,12 +191,14 @@ pub(crate) fn read_blocks(sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>
             *place = if form == TimeForm::Number { Action::Number(slot) } else { Action::Time(slot, form) };
         }
     }
-    let reader = Reader { sheet, wanted, action, needed: last + 1 };
+    let plain = action.iter().take(last).take_while(|action| matches!(action, Action::Number(_))).count();
+    let reader = Reader { sheet, wanted, action, needed: last + 1, plain };
     let mut joined = Joined::new(&reader, blocks.length);
-    let threads = if blocks.length < SHORT || !matches!(sheet.delimiter, Delimiter::Byte(_)) {
-        1
-    } else {
-        std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+    let threads = match blocks.pieces.threads {
+        _ if !matches!(sheet.delimiter, Delimiter::Byte(_)) => 1,
+        Some(threads) => threads,
+        None if blocks.length < SHORT => 1,
+        None => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
     };
     if threads > 1 {
         joined.parallel(blocks, threads)?;
@@ -470,11 +474,24 @@ impl Reader<'_, '_> {
         let decimal = self.sheet.decimal;
         let mut at = start;
         let last = self.needed - 1;
-        for ((column, action), shape) in self.action.iter().enumerate().zip(shape) {
+        // Numbers with the separator after them, then the others.
+        let (plain, others) = self.action.split_at_checked(self.plain)?;
+        let (plain_shapes, shapes) = shape.split_at_mut_checked(self.plain)?;
+        for (action, shape) in plain.iter().zip(plain_shapes) {
+            let Action::Number(slot) = action else { return None };
+            let (value, end) = number::scan_like(text, at, decimal, separator, shape)?;
+            *row.get_mut(usize::from(*slot))? = value;
+            if text.get(end) != Some(&separator) {
+                return None;
+            }
+            at = end + 1;
+        }
+        for ((column, action), shape) in (self.plain..).zip(others).zip(shapes) {
             let end = match action {
                 Action::Number(slot) => {
                     let place = row.get_mut(usize::from(*slot))?;
-                    let (value, end) = number::scan_like(text, at, decimal, separator, shape)?;
+                    let after = if column == last { b'\n' } else { separator };
+                    let (value, end) = number::scan_like(text, at, decimal, after, shape)?;
                     *place = value;
                     end
                 }

@@ -48,6 +48,8 @@ pub use options::{AxisMap, ColumnRef, Columns, Options, Permutation, Scale, Unit
 pub use recording::{Assumption, Channel, Extra, Findings, Gap, LONG_GAP_S, Note, Recording, Warning};
 pub use sheet::Delimiter;
 pub use shisei_core::Lang;
+#[doc(hidden)]
+pub use stream::open_in_pieces;
 pub use stream::{Stream, open_stream};
 
 /// One file.

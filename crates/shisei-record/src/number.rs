@@ -68,6 +68,8 @@ const MISSES: u32 = 2_000;
 pub(crate) struct Shape {
     /// Digits after the point.
     places: u8,
+    /// Ten to that power.
+    scale: f64,
     /// Characters without the sign, at most 16; 0 where that is not guessed.
     length: usize,
     /// How far the first eight characters are moved up, so that the last of them, or those before the last eight of a
@@ -127,10 +129,12 @@ impl Shape {
         // Without a point, of 16 digits not all are below 2^53.
         let longest = if places == 0 { 15 } else { 16 };
         self.length = 0;
-        if length > longest || length < places + 2 && places > 0 || self.misses > MISSES {
+        let shortest = if places == 0 { 1 } else { places + 2 };
+        if !(shortest..=longest).contains(&length) || self.misses > MISSES {
             return;
         }
         self.length = length;
+        self.scale = TEN[usize::from(self.places)];
         // Digits after the point in a part; none of the part's characters is the point where there are eight.
         let after = if places == 0 { 8 } else { places };
         if length <= 8 {
@@ -156,48 +160,44 @@ impl Shape {
         self.misses = 0;
     }
 
-    /// The number at `at` if it is as long as guessed, and the position after it.
+    /// The number at the window's start if it is as long as guessed and the given byte follows, and where that is.
     #[inline(always)]
-    fn read(&self, bytes: &[u8], at: usize, separator: u8) -> Option<(f64, usize)> {
-        let window: &[u8; WINDOW] = bytes.get(at..at + WINDOW)?.try_into().ok()?;
+    fn read(&self, window: &[u8; WINDOW], after: u8) -> Option<(f64, usize)> {
         let negative = window[0] == b'-';
         let start = usize::from(negative);
-        let length = self.length;
-        // at most 17 of 32
-        let next = window[(start + length) % WINDOW];
-        if length == 0 || next != separator && next != b'\n' && next != b'\r' {
-            return None;
-        }
+        let end = (start + self.length) % WINDOW; // at most 17
         let (values, mut wrong) = self.first.values(word(window, start) << self.shift);
         let mut mantissa = eight_digits(self.first.joined(values));
-        if length > 8 {
-            let (last, bad) = self.last.values(word(window, (start + length - 8) % 16));
+        if self.length > 8 {
+            let (last, bad) = self.last.values(word(window, (end - 8) % 16));
             wrong |= bad;
             let last = self.last.joined(last) | values >> 56 & self.carry;
             mantissa = mantissa * TEN_INTEGER[8] + eight_digits(last);
         }
-        if wrong != 0 {
+        if wrong | u64::from(window[end] ^ after) != 0 || self.length == 0 {
             return None;
         }
-        let magnitude = mantissa as i64 as f64 / TEN[usize::from(self.places % 23)];
+        let magnitude = mantissa as i64 as f64 / self.scale;
         // Without a branch: a column's signs are anybody's guess.
         let value = f64::from_bits(magnitude.to_bits() | u64::from(negative) << 63);
-        Some((value, at + start + length))
+        Some((value, end))
     }
 }
 
 /// As [`scan`], after a blank too, guessing that the number looks as the one before in its column and is followed by
-/// the separator or a line end; `shape` is set right where the guess was wrong.
+/// `after`; `shape` is set right where the guess was wrong.
 #[inline(always)]
 pub(crate) fn scan_like(
     bytes: &[u8],
     at: usize,
     decimal: u8,
-    separator: u8,
+    after: u8,
     shape: &mut Shape,
 ) -> Option<(f64, usize)> {
-    if let Some(found) = shape.read(bytes, at, separator) {
-        return Some(found);
+    if let Some(window) = bytes.get(at..).and_then(|rest| rest.first_chunk())
+        && let Some((value, end)) = shape.read(window, after)
+    {
+        return Some((value, at + end));
     }
     other_length(bytes, at, decimal, shape)
 }
