@@ -142,7 +142,18 @@ pub fn first_rest(
     settings: &RestSettings,
 ) -> Result<Range<usize>> {
     check_all(acc_m_s2, gyro_rad_s, dt, settings)?;
-    first_from(acc_m_s2, gyro_rad_s, dt, settings, 1 << 14)
+    first_of_checked(acc_m_s2, gyro_rad_s, dt, settings)
+}
+
+/// [`first_rest`] of rows and steps that were looked at already.
+pub(crate) fn first_of_checked(
+    acc: &[Vec3],
+    gyro: &[Vec3],
+    dt: Dt<'_>,
+    settings: &RestSettings,
+) -> Result<Range<usize>> {
+    settings.check()?;
+    first_from(acc, gyro, dt, settings, 1 << 14)
 }
 
 /// Searches the first `rows` rows, then more and more.
@@ -180,7 +191,7 @@ fn search_stretches(
     first: bool,
 ) {
     let mut start = 0;
-    while start < blocks.len() && !(first && !rests.is_empty()) {
+    while start < blocks.len() && (!first || rests.is_empty()) {
         let mut end = start + 1;
         while end < blocks.len() && !blocks[end].after_gap {
             end += 1;

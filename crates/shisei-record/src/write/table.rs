@@ -17,21 +17,23 @@ pub(super) const SMALL: usize = 1 << 18;
 /// whatever their number.
 pub(super) fn write(sink: &mut dyn Write, columns: &[Column<'_>], decimals: Decimals) -> io::Result<()> {
     let rows = columns.iter().map(Column::len).max().unwrap_or(0);
-    let table = Table { columns, decimals, rows };
-    let threads = if rows * columns.len() < SMALL {
-        1
-    } else {
-        std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
-    };
-    if threads > 1 {
-        return table.parallel(sink, threads);
+    let table = Table { columns, rows };
+    match decimals {
+        Decimals::Shortest => table.write::<Shortest>(sink),
+        Decimals::Fixed(0) => table.write::<Fixed<0>>(sink),
+        Decimals::Fixed(1) => table.write::<Fixed<1>>(sink),
+        Decimals::Fixed(2) => table.write::<Fixed<2>>(sink),
+        Decimals::Fixed(3) => table.write::<Fixed<3>>(sink),
+        Decimals::Fixed(4) => table.write::<Fixed<4>>(sink),
+        Decimals::Fixed(5) => table.write::<Fixed<5>>(sink),
+        Decimals::Fixed(6) => table.write::<Fixed<6>>(sink),
+        Decimals::Fixed(7) => table.write::<Fixed<7>>(sink),
+        Decimals::Fixed(8) => table.write::<Fixed<8>>(sink),
+        Decimals::Fixed(9) => table.write::<Fixed<9>>(sink),
+        Decimals::Fixed(10) => table.write::<Fixed<10>>(sink),
+        Decimals::Fixed(11) => table.write::<Fixed<11>>(sink),
+        Decimals::Fixed(_) => table.write::<Fixed<12>>(sink),
     }
-    let mut page = Page::default();
-    for start in (0..rows).step_by(ROWS) {
-        table.lines(&mut page, start);
-        sink.write_all(page.text())?;
-    }
-    Ok(())
 }
 
 /// Text that grows; its memory is used again.
@@ -81,16 +83,18 @@ impl Page {
 }
 
 /// Numbers of some rows, made ready.
-struct Ready<S> {
+struct Ready<'a, S> {
+    /// Their columns.
+    numbers: Vec<&'a Column<'a>>,
     tiles: Vec<([f64; TILE], S)>,
 }
 
-impl<S: Style> Ready<S> {
+impl<S: Style> Ready<'_, S> {
     /// Takes the numbers of `rows` rows from `start` on, row after row.
-    fn take(&mut self, numbers: &[Column<'_>], start: usize, rows: usize) {
+    fn take(&mut self, start: usize, rows: usize) {
         let mut column_values = [0.0; BLOCK];
         let values = column_values.get_mut(..rows).unwrap_or_default();
-        for (offset, column) in numbers.iter().enumerate() {
+        for (offset, column) in self.numbers.iter().enumerate() {
             if column.fill(start, values).is_none() {
                 values.fill(f64::NAN);
             }
@@ -99,10 +103,10 @@ impl<S: Style> Ready<S> {
                 if let Some((tile, _)) = self.tiles.get_mut(cell / TILE) {
                     tile[cell % TILE] = *value;
                 }
-                cell += numbers.len();
+                cell += self.numbers.len();
             }
         }
-        for (values, style) in self.tiles.iter_mut().take((rows * numbers.len()).div_ceil(TILE)) {
+        for (values, style) in self.tiles.iter_mut().take((rows * self.numbers.len()).div_ceil(TILE)) {
             style.prepare(values);
         }
     }
@@ -110,52 +114,52 @@ impl<S: Style> Ready<S> {
 
 struct Table<'a> {
     columns: &'a [Column<'a>],
-    decimals: Decimals,
     rows: usize,
 }
 
 impl Table<'_> {
-    /// The text of the rows from `start` on, as many as are made together.
-    fn lines(&self, page: &mut Page, start: usize) {
-        match self.decimals {
-            Decimals::Shortest => self.styled::<Shortest>(page, start),
-            Decimals::Fixed(0) => self.styled::<Fixed<0>>(page, start),
-            Decimals::Fixed(1) => self.styled::<Fixed<1>>(page, start),
-            Decimals::Fixed(2) => self.styled::<Fixed<2>>(page, start),
-            Decimals::Fixed(3) => self.styled::<Fixed<3>>(page, start),
-            Decimals::Fixed(4) => self.styled::<Fixed<4>>(page, start),
-            Decimals::Fixed(5) => self.styled::<Fixed<5>>(page, start),
-            Decimals::Fixed(6) => self.styled::<Fixed<6>>(page, start),
-            Decimals::Fixed(7) => self.styled::<Fixed<7>>(page, start),
-            Decimals::Fixed(8) => self.styled::<Fixed<8>>(page, start),
-            Decimals::Fixed(9) => self.styled::<Fixed<9>>(page, start),
-            Decimals::Fixed(10) => self.styled::<Fixed<10>>(page, start),
-            Decimals::Fixed(11) => self.styled::<Fixed<11>>(page, start),
-            Decimals::Fixed(_) => self.styled::<Fixed<12>>(page, start),
+    fn write<S: Style>(&self, sink: &mut dyn Write) -> io::Result<()> {
+        let threads = if self.rows * self.columns.len() < SMALL {
+            1
+        } else {
+            std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+        };
+        if threads > 1 {
+            return self.parallel::<S>(sink, threads);
         }
+        let (mut page, mut ready) = (Page::default(), self.ready::<S>());
+        for start in (0..self.rows).step_by(ROWS) {
+            self.lines(&mut page, &mut ready, start);
+            sink.write_all(page.text())?;
+        }
+        Ok(())
     }
 
-    fn styled<S: Style>(&self, page: &mut Page, start: usize) {
+    fn ready<S: Style>(&self) -> Ready<'_, S> {
+        let is_number = |column: &&Column<'_>| !matches!(column, Column::Flags(_) | Column::Texts(_));
+        let numbers: Vec<&Column<'_>> = self.columns.iter().filter(is_number).collect();
+        let mut tiles = Vec::new();
+        tiles.resize_with((BLOCK * numbers.len()).div_ceil(TILE), || ([0.0; TILE], S::default()));
+        Ready { numbers, tiles }
+    }
+
+    /// The text of the rows from `start` on, as many as are made together.
+    fn lines<S: Style>(&self, page: &mut Page, ready: &mut Ready<'_, S>, start: usize) {
         page.length = 0;
-        let is_number = |column: &Column<'_>| !matches!(column, Column::Flags(_) | Column::Texts(_));
-        let numbers: Vec<Column<'_>> = self.columns.iter().copied().filter(is_number).collect();
-        let tiles = (BLOCK * numbers.len()).div_ceil(TILE);
-        let mut ready = Ready { tiles: Vec::new() };
-        ready.tiles.resize_with(tiles, || ([0.0; TILE], S::default()));
         let end = self.rows.min(start + ROWS);
         for first in (start..end).step_by(BLOCK) {
             let rows = BLOCK.min(end - first);
-            ready.take(&numbers, first, rows);
-            if numbers.len() == self.columns.len() {
-                plain(page, &ready, rows, numbers.len());
+            ready.take(first, rows);
+            if ready.numbers.len() == self.columns.len() {
+                plain(page, ready, rows);
             } else {
-                self.mixed(page, &ready, first, rows);
+                self.mixed(page, ready, first, rows);
             }
         }
     }
 
     /// Rows with flags and texts between the numbers.
-    fn mixed<S: Style>(&self, page: &mut Page, ready: &Ready<S>, first: usize, rows: usize) {
+    fn mixed<S: Style>(&self, page: &mut Page, ready: &Ready<'_, S>, first: usize, rows: usize) {
         let mut cell = 0;
         for row in first..first + rows {
             for column in self.columns {
@@ -182,16 +186,17 @@ impl Table<'_> {
     }
 
     /// Threads make the text, this one writes it in order.
-    fn parallel(&self, sink: &mut dyn Write, threads: usize) -> io::Result<()> {
+    fn parallel<S: Style>(&self, sink: &mut dyn Write, threads: usize) -> io::Result<()> {
         let (send, receive) = mpsc::channel::<(usize, Page, mpsc::Sender<Page>)>();
         let receive = Mutex::new(receive);
         std::thread::scope(|scope| {
             for _ in 0..threads {
                 scope.spawn(|| {
+                    let mut ready = self.ready::<S>();
                     loop {
                         let job = receive.lock().map_or(None, |jobs| jobs.recv().ok());
                         let Some((start, mut page, answer)) = job else { return };
-                        self.lines(&mut page, start);
+                        self.lines(&mut page, &mut ready, start);
                         // Nobody waits where writing failed.
                         let _ = answer.send(page);
                     }
@@ -220,7 +225,8 @@ impl Table<'_> {
 }
 
 /// Rows of nothing but numbers.
-fn plain<S: Style>(page: &mut Page, ready: &Ready<S>, rows: usize, columns: usize) {
+fn plain<S: Style>(page: &mut Page, ready: &Ready<'_, S>, rows: usize) {
+    let columns = ready.numbers.len();
     let mut left = columns;
     let mut cells = rows * columns;
     for (values, style) in &ready.tiles {
