@@ -7,9 +7,9 @@
 use super::digits::{TILE, ZEROS, eights};
 use super::{Style, WINDOW, store};
 
-/// Below 2^-S a number's last bit is worth 2^-S times a whole one: from 2^-12 …
-const S_MOST: usize = 64;
-/// … to 2^24.
+/// A number's last bit is worth 2^-s: of the least number that is written here, 2^-16 (smaller ones have an exponent) …
+const S_MOST: usize = 68;
+/// … and of those below the greatest, 2^24.
 const S_LEAST: usize = 29;
 
 /// For the worth 2^-s of a last bit: the greatest k with 10^-k above it, and 10^k 2^(64-s), both exact.
@@ -23,7 +23,8 @@ const SCALES: [(u64, u32); S_MOST + 1] = {
             power *= 10;
             k += 1;
         }
-        scales[s] = ((power << (S_MOST - s)) as u64, k);
+        // 10^k has k factors of two: nothing is lost.
+        scales[s] = (if s > 64 { power >> (s - 64) } else { power << (64 - s) } as u64, k);
         s += 1;
     }
     scales

@@ -42,6 +42,8 @@ struct Page {
     /// What is written, and room beyond.
     bytes: Vec<u8>,
     length: usize,
+    /// Where a text of any length is made.
+    odd: Vec<u8>,
 }
 
 impl Page {
@@ -67,13 +69,16 @@ impl Page {
         }
     }
 
-    fn extend(&mut self, text: &[u8]) {
-        while self.bytes.len() < self.length + text.len() {
+    /// Appends a text of any length.
+    fn odd(&mut self, write: impl FnOnce(&mut Vec<u8>)) {
+        self.odd.clear();
+        write(&mut self.odd);
+        while self.bytes.len() < self.length + self.odd.len() {
             self.grow();
         }
-        if let Some(room) = self.bytes.get_mut(self.length..self.length + text.len()) {
-            room.copy_from_slice(text);
-            self.length += text.len();
+        if let Some(room) = self.bytes.get_mut(self.length..self.length + self.odd.len()) {
+            room.copy_from_slice(&self.odd);
+            self.length += self.odd.len();
         }
     }
 
@@ -168,9 +173,7 @@ impl Table<'_> {
                         page.byte(if flags.get(row) == Some(&true) { b'1' } else { b'0' });
                     }
                     Column::Texts(texts) => {
-                        let mut text = Vec::new();
-                        push_text(&mut text, texts.get(row).map_or("", |t| t));
-                        page.extend(&text);
+                        page.odd(|out| push_text(out, texts.get(row).map_or("", |t| t)));
                     }
                     _ => {
                         if let Some((values, style)) = ready.tiles.get(cell / TILE) {
@@ -263,9 +266,7 @@ fn number<S: Style>(page: &mut Page, style: &S, k: usize, value: f64) {
 
 #[cold]
 fn odd<S: Style>(page: &mut Page, value: f64) {
-    let mut text = Vec::new();
-    S::odd(value, &mut text);
-    page.extend(&text);
+    page.odd(|out| S::odd(value, out));
 }
 
 /// In place of the last comma.
