@@ -3,7 +3,6 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use shisei_core::Quaternion;
 use shisei_core::orient::Orientation;
 use shisei_record::Recording;
 use shisei_record::write::{self, Column, Decimals};
@@ -56,23 +55,40 @@ pub fn orientation(
     let with_unit = |name: &str| format!("{name}_{unit}");
     let angle_names = ["yaw", "pitch", "roll"].map(with_unit);
     let sigma_names = ["sigma_tilt", "sigma_heading"].map(with_unit);
-    let parts = [|q: Quaternion| q.w, |q: Quaternion| q.x, |q: Quaternion| q.y, |q: Quaternion| q.z]
-        .map(|part| move |row: usize| quaternions.get(row).map_or(f64::NAN, |q| part(*q)));
-    let angles = [0, 1, 2].map(|i| move |row: usize| ypr_rad.get(row).map_or(f64::NAN, |a| a[i] * per_rad));
+    let parts = [0, 1, 2, 3].map(|i| {
+        move |start: usize, out: &mut [f64]| {
+            for (value, q) in out.iter_mut().zip(quaternions.iter().skip(start)) {
+                *value = q.to_array()[i];
+            }
+        }
+    });
+    let angles = [0, 1, 2].map(|i| {
+        move |start: usize, out: &mut [f64]| {
+            for (value, ypr) in out.iter_mut().zip(ypr_rad.iter().skip(start)) {
+                *value = ypr[i] * per_rad;
+            }
+        }
+    });
     let certainty = orientation.certainty.as_ref();
     let sigmas = certainty
         .map_or([[].as_slice(); 2], |c| [c.sigma_tilt_rad.as_slice(), &c.sigma_heading_rad])
-        .map(|sigma| move |row: usize| sigma.get(row).map_or(f64::NAN, |s| s * per_rad));
+        .map(|sigma| {
+            move |start: usize, out: &mut [f64]| {
+                for (value, sigma) in out.iter_mut().zip(sigma.iter().skip(start)) {
+                    *value = sigma * per_rad;
+                }
+            }
+        });
 
     let rows = quaternions.len();
     let mut names = vec!["time_s", "q_w", "q_x", "q_y", "q_z"];
     let mut columns = vec![Column::Numbers(&recording.time_s)];
-    columns.extend(parts.iter().map(|value| Column::Computed { rows, value }));
+    columns.extend(parts.iter().map(|fill| Column::Computed { rows, fill }));
     names.extend(angle_names.iter().map(String::as_str));
-    columns.extend(angles.iter().map(|value| Column::Computed { rows, value }));
+    columns.extend(angles.iter().map(|fill| Column::Computed { rows, fill }));
     if let Some(certainty) = certainty {
         names.extend(sigma_names.iter().map(String::as_str));
-        columns.extend(sigmas.iter().map(|value| Column::Computed { rows, value }));
+        columns.extend(sigmas.iter().map(|fill| Column::Computed { rows, fill }));
         names.push("rest");
         columns.push(Column::Flags(&certainty.rest));
     }

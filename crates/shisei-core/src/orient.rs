@@ -270,7 +270,7 @@ fn find_rest(acc: &[Vec3], gyro: &[Vec3], dt_s: &[f64], settings: &Settings) -> 
         RestChoice::None => Ok(None),
         RestChoice::Auto => {
             let search = RestSettings { gravity_m_s2: settings.gravity_m_s2, ..RestSettings::default() };
-            rest::first_rest(acc, gyro, Dt::PerSample(dt_s), &search).map(Some)
+            rest::first_of_checked(acc, gyro, Dt::PerSample(dt_s), &search).map(Some)
         }
         RestChoice::Rows { start, end } => {
             let end = end.min(acc.len());

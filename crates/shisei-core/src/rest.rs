@@ -8,6 +8,7 @@ use crate::vector::{self, Vec3};
 mod search;
 
 #[cfg(feature = "alloc")]
+pub(crate) use search::first_of_checked;
 pub use search::{RestSettings, find_rests, first_rest};
 
 /// Fewer samples than this give no gyroscope bias.

@@ -14,6 +14,22 @@ pub(crate) struct Blocks<'a> {
     kind: Kind<'a>,
     /// Bytes left at the start, as far as is known.
     pub length: u64,
+    pub pieces: Pieces,
+}
+
+/// How a text is cut and read.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pieces {
+    /// Bytes of a piece.
+    pub size: usize,
+    /// Threads; where that is not said it follows from the text's length.
+    pub threads: Option<usize>,
+}
+
+impl Default for Pieces {
+    fn default() -> Self {
+        Pieces { size: BLOCK, threads: None }
+    }
 }
 
 enum Kind<'a> {
@@ -30,23 +46,24 @@ enum Kind<'a> {
 
 impl<'a> Blocks<'a> {
     pub fn of(text: &'a [u8]) -> Self {
-        Blocks { kind: Kind::Memory(text), length: text.len() as u64 }
+        Blocks { kind: Kind::Memory(text), length: text.len() as u64, pieces: Pieces::default() }
     }
 
     /// `length` is how many bytes `rest` is thought to have.
-    pub fn stream(rest: impl Read + 'a, length: u64) -> Self {
+    pub fn stream(rest: impl Read + 'a, length: u64, pieces: Pieces) -> Self {
         let kind = Kind::Stream { rest: Box::new(rest), carry: Vec::new(), spare: Vec::new(), ended: false };
-        Blocks { kind, length }
+        Blocks { kind, length, pieces }
     }
 
     /// The next piece; it ends after a line end, or with the text, or is a line longer than a piece and goes on.
     pub fn next(&mut self) -> io::Result<Option<Cow<'a, [u8]>>> {
+        let size = self.pieces.size.max(1);
         match &mut self.kind {
             Kind::Memory(text) => {
                 if text.is_empty() {
                     return Ok(None);
                 }
-                let cut = cut(text, BLOCK).unwrap_or(text.len());
+                let cut = cut(text, size).unwrap_or(text.len());
                 let (block, rest) = text.split_at(cut);
                 *text = rest;
                 Ok(Some(Cow::Borrowed(block)))
@@ -54,7 +71,7 @@ impl<'a> Blocks<'a> {
             Kind::Stream { rest, carry, spare, ended } => {
                 let mut block = std::mem::replace(carry, spare.pop().unwrap_or_default());
                 carry.clear();
-                let mut wanted = BLOCK;
+                let mut wanted = size;
                 while !*ended {
                     if block.len() < wanted {
                         let missing = (wanted - block.len()) as u64;
@@ -68,7 +85,7 @@ impl<'a> Blocks<'a> {
                     if block.len() > crate::sheet::LINE_LIMIT + 2 {
                         break;
                     }
-                    wanted += BLOCK;
+                    wanted += size;
                 }
                 Ok(if block.is_empty() { None } else { Some(Cow::Owned(block)) })
             }
@@ -117,7 +134,7 @@ mod tests {
         assert_eq!(memory.concat(), text);
         // a reader that gives little at a time
         let (start, rest) = text.split_at(1000);
-        let stream = collect(Blocks::stream(start.chain(rest), 0));
+        let stream = collect(Blocks::stream(start.chain(rest), 0, Pieces::default()));
         assert_eq!(stream.concat(), text);
         for pieces in [&memory, &stream] {
             assert!(pieces.len() > 3 && pieces.iter().all(|p| p.len() <= BLOCK));
@@ -128,10 +145,10 @@ mod tests {
     #[test]
     fn a_line_longer_than_a_piece() {
         let text = [vec![b'7'; 700_000], b"\n1,2\n".to_vec()].concat();
-        assert_eq!(collect(Blocks::stream(text.as_slice(), 0)).concat(), text);
+        assert_eq!(collect(Blocks::stream(text.as_slice(), 0, Pieces::default())).concat(), text);
         assert_eq!(collect(Blocks::of(&text)).concat(), text);
         let endless = vec![b'7'; 3 << 20];
-        let first = Blocks::stream(endless.as_slice(), 0).next().unwrap().unwrap();
+        let first = Blocks::stream(endless.as_slice(), 0, Pieces::default()).next().unwrap().unwrap();
         assert!(first.len() > crate::sheet::LINE_LIMIT && first.len() < 2 << 20);
     }
 }

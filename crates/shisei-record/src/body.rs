@@ -2,7 +2,7 @@
 
 use crate::blocks::{Blocks, SHORT};
 use crate::error::{Error, Place, Problem, Result, shorten};
-use crate::number::{self, Cell};
+use crate::number::{self, Cell, Shape};
 use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
 use crate::stamp::{self, Cycle};
 use shisei_core::Vec3;
@@ -166,6 +166,8 @@ struct Reader<'a, 's> {
     action: Vec<Action>,
     /// Columns up to the last wanted one.
     needed: usize,
+    /// Columns at the start, save the last wanted one, that are all plain numbers.
+    plain: usize,
 }
 
 /// Reads all rows of a text in memory.
@@ -189,12 +191,14 @@ pub(crate) fn read_blocks(sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>
             *place = if form == TimeForm::Number { Action::Number(slot) } else { Action::Time(slot, form) };
         }
     }
-    let reader = Reader { sheet, wanted, action, needed: last + 1 };
+    let plain = action.iter().take(last).take_while(|action| matches!(action, Action::Number(_))).count();
+    let reader = Reader { sheet, wanted, action, needed: last + 1, plain };
     let mut joined = Joined::new(&reader, blocks.length);
-    let threads = if blocks.length < SHORT || !matches!(sheet.delimiter, Delimiter::Byte(_)) {
-        1
-    } else {
-        std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
+    let threads = match blocks.pieces.threads {
+        _ if !matches!(sheet.delimiter, Delimiter::Byte(_)) => 1,
+        Some(threads) => threads,
+        None if blocks.length < SHORT => 1,
+        None => std::thread::available_parallelism().map_or(1, std::num::NonZero::get),
     };
     if threads > 1 {
         joined.parallel(blocks, threads)?;
@@ -211,7 +215,7 @@ struct Joined<'a, 's> {
     line_number: usize,
     /// The first of the incomplete rows that may be the end, and their number.
     pending: Option<(Error, usize)>,
-    shape: Vec<u8>,
+    shape: Vec<Shape>,
 }
 
 /// The rows at the start of a block that are plain numbers.
@@ -227,7 +231,7 @@ impl<'a, 's> Joined<'a, 's> {
         let wanted = reader.wanted;
         let mut out = Body::new(wanted);
         reserve(&mut out, reader.sheet, length, wanted);
-        let shape = vec![0; reader.needed];
+        let shape = vec![Shape::default(); reader.needed];
         Joined { reader, out, line_number: reader.sheet.data_line - 1, pending: None, shape }
     }
 
@@ -237,6 +241,7 @@ impl<'a, 's> Joined<'a, 's> {
 
     fn alone(&mut self, mut blocks: Blocks<'_>) -> Result<()> {
         while let Some(block) = blocks.next().map_err(|e| self.unreadable(&e))? {
+            self.shape.iter_mut().for_each(Shape::trust);
             self.rest(&block, 0)?;
             blocks.give_back(block);
         }
@@ -251,7 +256,7 @@ impl<'a, 's> Joined<'a, 's> {
         std::thread::scope(|scope| {
             for _ in 0..threads {
                 scope.spawn(|| {
-                    let mut shape = vec![0; reader.needed];
+                    let mut shape = vec![Shape::default(); reader.needed];
                     loop {
                         let job = receive.lock().map_or(None, |jobs| jobs.recv().ok());
                         let Some((block, answer)) = job else { return };
@@ -443,7 +448,8 @@ pub(crate) fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
 
 impl Reader<'_, '_> {
     /// Reads the plain rows at the start of a block.
-    fn start<'b>(&self, block: Cow<'b, [u8]>, shape: &mut [u8]) -> Start<'b> {
+    fn start<'b>(&self, block: Cow<'b, [u8]>, shape: &mut [Shape]) -> Start<'b> {
+        shape.iter_mut().for_each(Shape::trust);
         let mut rows = Body::new(self.wanted);
         reserve(&mut rows, self.sheet, block.len() as u64, self.wanted);
         let mut row = [0.0f64; SLOTS];
@@ -461,21 +467,31 @@ impl Reader<'_, '_> {
     }
 
     /// Reads a row of plain numbers; gives the start of the next line, or nothing where the row needs care.
-    /// `shape` has the digits after the point of each column in the row before.
+    /// `shape` has what each column's number in the row before looked like.
     #[inline]
-    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [u8]) -> Option<usize> {
+    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [Shape]) -> Option<usize> {
         let Delimiter::Byte(separator) = self.sheet.delimiter else { return None };
         let decimal = self.sheet.decimal;
         let mut at = start;
         let last = self.needed - 1;
-        for ((column, action), places) in self.action.iter().enumerate().zip(shape) {
+        // Numbers with the separator after them, then the others.
+        let (plain, others) = self.action.split_at_checked(self.plain)?;
+        let (plain_shapes, shapes) = shape.split_at_mut_checked(self.plain)?;
+        for (action, shape) in plain.iter().zip(plain_shapes) {
+            let Action::Number(slot) = action else { return None };
+            let (value, end) = number::scan_like(text, at, decimal, separator, shape)?;
+            *row.get_mut(usize::from(*slot))? = value;
+            if text.get(end) != Some(&separator) {
+                return None;
+            }
+            at = end + 1;
+        }
+        for ((column, action), shape) in (self.plain..).zip(others).zip(shapes) {
             let end = match action {
                 Action::Number(slot) => {
                     let place = row.get_mut(usize::from(*slot))?;
-                    let (value, end) = number::scan_like(text, at, decimal, places).or_else(|| {
-                        let blank = text.get(at) == Some(&b' ');
-                        if blank { number::scan_like(text, at + 1, decimal, places) } else { None }
-                    })?;
+                    let after = if column == last { b'\n' } else { separator };
+                    let (value, end) = number::scan_like(text, at, decimal, after, shape)?;
                     *place = value;
                     end
                 }

@@ -227,6 +227,9 @@ const LONG_PAUSE_S: f64 = 0.5;
 fn fine(mut t: Vec<f64>, out: &mut Timeline, findings: &mut Findings) {
     let rows = t.len();
     let usual = usual_step(&t);
+    if t.windows(2).all(|w| w[1] > w[0]) {
+        return steps(t, usual, out, findings);
+    }
     // Resets: go on one usual step after the last sample before it.
     let mut offset = 0.0;
     let mut previous = f64::NEG_INFINITY;

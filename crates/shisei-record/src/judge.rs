@@ -106,25 +106,39 @@ pub(crate) fn level(norm: f64, whole_numbers: bool) -> Level {
 /// Samples at the end of a sensor's range, per axis: how many, and the level. Only axes whose extreme is
 /// above `floor` and stands in at least three rows that follow each other count.
 pub(crate) fn clipped(values: &[Vec3], floor: f64) -> ([usize; 3], Vec3) {
-    let mut extreme = [0.0f64; 3];
-    for v in values {
+    // Four rows at a time: their maxima need not wait for each other.
+    let (fours, last) = values.as_chunks::<4>();
+    let mut most = [[0.0f64; 3]; 4];
+    let larger = |most: &mut Vec3, v: &Vec3| {
         for i in 0..3 {
             let size = v[i].abs();
-            extreme[i] = if size > extreme[i] { size } else { extreme[i] };
+            most[i] = if size > most[i] { size } else { most[i] };
+        }
+    };
+    for four in fours {
+        for (most, v) in most.iter_mut().zip(four) {
+            larger(most, v);
         }
     }
+    let mut extreme = [0.0f64; 3];
+    for v in most.iter().chain(last) {
+        larger(&mut extreme, v);
+    }
     let limit = extreme.map(|e| e * (1.0 - 1e-3));
+    let ends = |v: &Vec3| [0, 1, 2].map(|i| v[i].abs() >= limit[i]);
     let (mut total, mut run, mut longest) = ([0usize; 3], [0usize; 3], [0usize; 3]);
-    for v in values {
-        let at_end = [0, 1, 2].map(|i| v[i].abs() >= limit[i]);
-        if !(at_end[0] | at_end[1] | at_end[2]) {
+    for rows in fours.iter().map(<[Vec3; 4]>::as_slice).chain([last]) {
+        if !rows.iter().fold(false, |any, v| any | ends(v).iter().fold(false, |any, end| any | end)) {
             run = [0; 3];
             continue;
         }
-        for i in 0..3 {
-            run[i] = if at_end[i] { run[i] + 1 } else { 0 };
-            total[i] += usize::from(at_end[i]);
-            longest[i] = longest[i].max(run[i]);
+        for v in rows {
+            let at_end = ends(v);
+            for i in 0..3 {
+                run[i] = if at_end[i] { run[i] + 1 } else { 0 };
+                total[i] += usize::from(at_end[i]);
+                longest[i] = longest[i].max(run[i]);
+            }
         }
     }
     for i in 0..3 {

@@ -24,6 +24,8 @@ mod number;
 mod open;
 pub mod options;
 #[cfg(feature = "parquet")]
+mod parquet_pages;
+#[cfg(feature = "parquet")]
 mod parquet_read;
 #[cfg(feature = "parquet")]
 pub mod parquet_write;
@@ -46,6 +48,8 @@ pub use options::{AxisMap, ColumnRef, Columns, Options, Permutation, Scale, Unit
 pub use recording::{Assumption, Channel, Extra, Findings, Gap, LONG_GAP_S, Note, Recording, Warning};
 pub use sheet::Delimiter;
 pub use shisei_core::Lang;
+#[doc(hidden)]
+pub use stream::open_in_pieces;
 pub use stream::{Stream, open_stream};
 
 /// One file.

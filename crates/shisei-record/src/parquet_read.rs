@@ -4,10 +4,10 @@ use crate::body::{self, Body, SLOTS, TimeForm, Wanted};
 use crate::encoding::Encoding;
 use crate::error::{Error, Place, Problem, Result, shorten};
 use crate::open::UNPACKED_LIMIT;
+use crate::parquet_pages::Checked;
 use crate::sheet::{Delimiter, Sheet};
 use bytes::Bytes;
 use parquet::basic::{LogicalType, TimeUnit, Type};
-use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
 use parquet::file::reader::{FileReader, SerializedFileReader};
@@ -218,7 +218,7 @@ impl File {
                     break;
                 }
                 let pages = self.reader.get_row_group(group)?.get_column_page_reader(index)?;
-                let pages = Checked { pages, least_bytes: least_bytes(column.physical_type()) };
+                let pages = Checked { pages, kind: column.physical_type(), top, rows: self.rows };
                 let reader = get_column_reader(column.clone(), Box::new(pages));
                 left -= match (reader, &mut out) {
                     (ColumnReader::DoubleColumnReader(r), Values::Numbers(v)) => {
@@ -247,54 +247,6 @@ impl File {
             Ok(())
         })?;
         Ok(out)
-    }
-}
-
-/// Bytes that a value of a dictionary takes at least.
-fn least_bytes(kind: Type) -> usize {
-    match kind {
-        Type::DOUBLE | Type::INT64 => 8,
-        Type::INT96 => 12,
-        Type::FLOAT | Type::INT32 | Type::BYTE_ARRAY => 4,
-        Type::BOOLEAN | Type::FIXED_LEN_BYTE_ARRAY => 1,
-    }
-}
-
-/// Pages whose dictionaries are as long as they say: the decoder takes memory for what they say.
-struct Checked {
-    pages: Box<dyn PageReader>,
-    least_bytes: usize,
-}
-
-impl PageReader for Checked {
-    fn get_next_page(&mut self) -> parquet::errors::Result<Option<Page>> {
-        let page = self.pages.get_next_page()?;
-        if let Some(Page::DictionaryPage { buf, num_values, .. }) = &page
-            && *num_values as usize > buf.len() / self.least_bytes
-        {
-            return Err(parquet::errors::ParquetError::General("a dictionary is cut short".into()));
-        }
-        Ok(page)
-    }
-
-    fn peek_next_page(&mut self) -> parquet::errors::Result<Option<PageMetadata>> {
-        self.pages.peek_next_page()
-    }
-
-    fn skip_next_page(&mut self) -> parquet::errors::Result<()> {
-        self.pages.skip_next_page()
-    }
-
-    fn at_record_boundary(&mut self) -> parquet::errors::Result<bool> {
-        self.pages.at_record_boundary()
-    }
-}
-
-impl Iterator for Checked {
-    type Item = parquet::errors::Result<Page>;
-
-    fn next(&mut self) -> Option<Self::Item> {
-        self.get_next_page().transpose()
     }
 }
 

@@ -73,22 +73,11 @@ fn write_column<W: Write + Send>(
 ) -> Result<()> {
     let Some(mut writer) = group.next_column()? else { return Ok(()) };
     match column {
-        Column::Numbers(values) => {
-            writer.typed::<DoubleType>().write_batch(
-                values.get(start..end).unwrap_or_default(),
-                None,
-                None,
-            )?;
-        }
-        Column::Strided { values, stride, offset } => {
-            let picked: Vec<f64> = (start..end)
-                .map(|row| values.get(row * stride + offset).copied().unwrap_or(f64::NAN))
-                .collect();
-            writer.typed::<DoubleType>().write_batch(&picked, None, None)?;
-        }
-        Column::Computed { rows, value } => {
-            let made: Vec<f64> = (start..end).map(|k| if k < *rows { value(k) } else { f64::NAN }).collect();
-            writer.typed::<DoubleType>().write_batch(&made, None, None)?;
+        Column::Numbers(_) | Column::Strided { .. } | Column::Computed { .. } => {
+            let mut values = vec![f64::NAN; end - start];
+            if column.fill(start, &mut values).is_some() {
+                writer.typed::<DoubleType>().write_batch(&values, None, None)?;
+            }
         }
         Column::Flags(values) => {
             writer.typed::<BoolType>().write_batch(values.get(start..end).unwrap_or_default(), None, None)?;

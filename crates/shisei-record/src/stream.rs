@@ -1,6 +1,6 @@
 //! Opening a long text as it is read, so that its bytes are never in memory all at once.
 
-use crate::blocks::{Blocks, SHORT};
+use crate::blocks::{Blocks, Pieces, SHORT};
 use crate::encoding::Encoding;
 use crate::error::{Error, Problem, Result};
 use crate::options::Options;
@@ -37,20 +37,39 @@ impl std::fmt::Debug for Stream<'_> {
 /// As [`open`](crate::open) of one file, with the same result; a long text is read piece by piece, any other file
 /// whole.
 pub fn open_stream(stream: Stream<'_>, options: &Options) -> Result<Recording> {
+    open_by(stream, options, None)
+}
+
+/// As [`open_stream`], but piece by piece however short the text is: in pieces of about `size` bytes, by so many
+/// threads. For tests of what happens where pieces meet.
+#[doc(hidden)]
+pub fn open_in_pieces(
+    stream: Stream<'_>,
+    options: &Options,
+    size: usize,
+    threads: usize,
+) -> Result<Recording> {
+    open_by(stream, options, Some(Pieces { size, threads: Some(threads) }))
+}
+
+fn open_by(stream: Stream<'_>, options: &Options, pieces: Option<Pieces>) -> Result<Recording> {
     let Stream { name, mut head, rest, length } = stream;
     let unreadable = |e: std::io::Error| Error::of_file(name, Problem::Unreadable { detail: e.to_string() });
     let missing = HEAD.saturating_sub(head.len()) as u64;
     Read::take(&mut *rest, missing).read_to_end(&mut head).map_err(unreadable)?;
-    if head.len() < HEAD || !is_plain_text(&head) {
+    let ended = head.len() < HEAD;
+    if ended && pieces.is_none() || !is_plain_text(&head) {
         rest.read_to_end(&mut head).map_err(unreadable)?;
         return open(&[Input { name, bytes: &head }], options);
     }
     open::unpack(&Input { name, bytes: &head })?;
-    let whole_lines = memchr::memrchr(b'\n', &head).map_or(head.len(), |end| end + 1);
+    let last_end = memchr::memrchr(b'\n', &head).filter(|_| !ended);
+    let whole_lines = last_end.map_or(head.len(), |end| end + 1);
     let sheet = sheet::sniff(name, head.get(..whole_lines).unwrap_or_default(), options)?;
     let first_row = whole_lines - sheet.text.len() + sheet.data_offset;
     let rows = head.get(first_row..).unwrap_or_default().chain(rest);
-    let blocks = Blocks::stream(rows, length.saturating_sub(first_row as u64).max(SHORT));
+    let length = length.saturating_sub(first_row as u64).max(SHORT);
+    let blocks = Blocks::stream(rows, length, pieces.unwrap_or_default());
     let part =
         open::table_part(&sheet, options, false, |sheet, wanted| body::read_blocks(sheet, wanted, blocks))?;
     settle::settle(part, options)
@@ -67,6 +86,7 @@ fn is_plain_text(head: &[u8]) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     /// A long recording with things that need care: quotes, blank lines, numbers of many digits, an incomplete end.
     fn text(rows: usize, odd: impl Fn(usize) -> Option<String>) -> Vec<u8> {
@@ -116,6 +136,63 @@ mod tests {
         assert_eq!(recording.len(), 120_000 - 24);
         assert_eq!(recording.extra[0].cells[99_999].as_ref(), "n100020");
         same(&text(100, quoted), &options).unwrap();
+    }
+
+    /// Every place where pieces can meet: sizes from 1 byte on, one thread and three.
+    #[test]
+    fn pieces_may_meet_anywhere() {
+        let odd = |k: usize| match k {
+            3 => Some("\n".to_owned()),
+            5 => Some("\"0.050\",\"a,b\",0.1,0.2,9.8,0.3,-0.5,0.001\r\n".to_owned()),
+            9 => Some("0.090,n,0.1,0.2,9.8,0.3,-0.5,0.001,and,more,cells\r\n".to_owned()),
+            11 => Some("0.110,n\n".to_owned()),
+            _ => None,
+        };
+        for rows in [1, 2, 14] {
+            let bytes = text(rows, odd);
+            for (k, size) in (1..bytes.len() + 2).enumerate() {
+                pieces_same(
+                    &bytes,
+                    &Options { skip_bad_rows: k % 2 == 0, ..Options::default() },
+                    size,
+                    1 + k % 3,
+                );
+            }
+        }
+    }
+
+    fn pieces_same(bytes: &[u8], options: &Options, size: usize, threads: usize) {
+        let whole = open(&[Input { name: "a.csv", bytes }], options);
+        let mut rest = bytes;
+        let stream = Stream { name: "a.csv", head: Vec::new(), rest: &mut rest, length: 0 };
+        let pieces = open_in_pieces(stream, options, size, threads);
+        // NaN is unequal to itself
+        assert_eq!(format!("{whole:?}"), format!("{pieces:?}"), "pieces of {size}");
+    }
+
+    proptest! {
+        /// Rows of any kind, line ends of any kind, in pieces of any size.
+        #[test]
+        fn pieces_of_any_size(
+            rows in proptest::collection::vec(
+                "(-?[0-9]{1,3}(\\.[0-9]{0,8})?,){6}-?[0-9]{1,2}\\.[0-9]{1,18}(e-?[0-9])?(,x)?|[0-9.,\" x]{0,12}",
+                0..40,
+            ),
+            ends in proptest::collection::vec(0usize..4, 40),
+            size in 1usize..400,
+            threads in 1usize..4,
+            skip_bad_rows in any::<bool>(),
+        ) {
+            let mut bytes = b"time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z\n".to_vec();
+            for (k, (row, end)) in rows.iter().zip(ends).enumerate() {
+                if k % 5 > 0 {
+                    bytes.extend_from_slice(format!("{k},").as_bytes());
+                }
+                bytes.extend_from_slice(row.as_bytes());
+                bytes.extend_from_slice(["\n", "\r\n", "\n\n", "\n,"][end].as_bytes());
+            }
+            pieces_same(&bytes, &Options { skip_bad_rows, ..Options::default() }, size, threads);
+        }
     }
 
     #[test]

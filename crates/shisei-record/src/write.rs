@@ -2,11 +2,11 @@
 //! number of decimals.
 
 mod decimal;
+mod digits;
+mod shortest;
+mod table;
 
-use decimal::{Scratch, WINDOW};
-use std::collections::VecDeque;
 use std::io::{self, Write};
-use std::sync::{Mutex, mpsc};
 
 /// How numbers are written.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -20,67 +20,31 @@ pub enum Decimals {
 
 /// Appends a number; NaN and infinities as `NaN`, `inf`, `-inf`.
 pub fn push_number(out: &mut Vec<u8>, value: f64, decimals: Decimals) {
-    let mut page = Page { bytes: std::mem::take(out), length: 0 };
-    page.length = page.bytes.len();
-    page.number(value, decimals);
-    *out = page.text();
-}
-
-/// Text that grows; its memory is used again.
-#[derive(Default)]
-struct Page {
-    /// What is written, and room beyond.
-    bytes: Vec<u8>,
-    length: usize,
-}
-
-impl Page {
-    fn number(&mut self, value: f64, decimals: Decimals) {
-        let mut scratch = Scratch::new();
-        match (scratch.number(value, decimals), decimals) {
-            (Some(text), _) => self.append(|out| out.extend_from_slice(bare(text, decimals))),
-            (None, Decimals::Fixed(places)) => self.append(|out| decimal::long_number(out, value, places)),
-            (None, Decimals::Shortest) => {} // always fits
-        }
-    }
-
-    /// Room for `N` texts of numbers and what parts them.
-    #[inline(always)]
-    fn room<const N: usize>(&mut self) -> Option<&mut [u8; N]> {
-        if self.bytes.len() < self.length + N {
-            self.bytes.resize(2 * self.bytes.len() + 2 * N, 0);
-        }
-        self.bytes.get_mut(self.length..self.length + N)?.try_into().ok()
-    }
-
-    #[inline]
-    fn byte(&mut self, byte: u8) {
-        match self.bytes.get_mut(self.length) {
-            Some(place) => *place = byte,
-            None => self.bytes.push(byte),
-        }
-        self.length += 1;
-    }
-
-    fn append(&mut self, write: impl FnOnce(&mut Vec<u8>)) {
-        self.bytes.truncate(self.length);
-        write(&mut self.bytes);
-        self.length = self.bytes.len();
-    }
-
-    fn text(mut self) -> Vec<u8> {
-        self.bytes.truncate(self.length);
-        self.bytes
-    }
-}
-
-/// Without `.0`.
-#[inline(always)]
-fn bare(text: &[u8], decimals: Decimals) -> &[u8] {
     match decimals {
-        Decimals::Shortest => text.strip_suffix(b".0").unwrap_or(text),
-        Decimals::Fixed(_) => text,
+        Decimals::Shortest => shortest::odd(value, out),
+        Decimals::Fixed(places) => decimal::push(value, places, out),
     }
+}
+
+/// Bytes that the text of a number made ready may touch; it takes less.
+const WINDOW: usize = 40;
+
+/// A way of writing numbers: some are made ready together, then put into place one by one.
+trait Style: Default {
+    /// Makes numbers ready.
+    fn prepare(&mut self, values: &[f64; digits::TILE]);
+
+    /// Writes the k-th of them, which is `value`, and gives the length of its text; 0 where it goes the long way.
+    fn put(&self, k: usize, value: f64, out: &mut [u8; WINDOW]) -> usize;
+
+    /// The long way.
+    fn odd(value: f64, out: &mut Vec<u8>);
+}
+
+/// Eight bytes of a text, the first in the lowest byte.
+#[inline(always)]
+fn store(out: &mut [u8; WINDOW], at: usize, text: u64) {
+    out[at..at + 8].copy_from_slice(&text.to_le_bytes());
 }
 
 /// One column of a table to write.
@@ -101,8 +65,8 @@ pub enum Column<'a> {
     Computed {
         /// How many.
         rows: usize,
-        /// The number of a row.
-        value: &'a (dyn Fn(usize) -> f64 + Sync),
+        /// Fills in the numbers of as many rows as there are places, from the given one on.
+        fill: &'a (dyn Fn(usize, &mut [f64]) + Sync),
     },
     /// 1 and 0.
     Flags(&'a [bool]),
@@ -134,32 +98,23 @@ impl Column<'_> {
         }
     }
 
-    /// The text of a cell, if it is a number or a flag that has room.
-    #[inline(always)]
-    fn text<'b>(&self, scratch: &'b mut Scratch, row: usize, decimals: Decimals) -> Option<&'b [u8]> {
-        let value = match self {
-            Column::Numbers(v) => v.get(row).copied(),
-            Column::Strided { values, stride, offset } => values.get(row * stride + offset).copied(),
-            Column::Computed { rows, value } => (row < *rows).then(|| value(row)),
-            Column::Flags(v) => return Some(if v.get(row) == Some(&true) { b"1" } else { b"0" }),
-            Column::Texts(_) => return None,
-        };
-        scratch.number(value.unwrap_or(f64::NAN), decimals)
-    }
-
-    /// Any cell.
-    fn push(&self, out: &mut Page, row: usize, decimals: Decimals) {
+    /// The numbers of some rows from `start` on, NaN beyond the last; `None` for flags and texts.
+    pub(crate) fn fill(&self, start: usize, out: &mut [f64]) -> Option<()> {
+        let known = self.len().saturating_sub(start).min(out.len());
+        let (known, beyond) = out.split_at_mut(known);
+        beyond.fill(f64::NAN);
         match self {
-            Column::Texts(v) => out.append(|out| push_text(out, v.get(row).map_or("", |t| t))),
-            Column::Numbers(v) => out.number(v.get(row).copied().unwrap_or(f64::NAN), decimals),
+            Column::Numbers(values) => known.copy_from_slice(values.get(start..start + known.len())?),
             Column::Strided { values, stride, offset } => {
-                out.number(values.get(row * stride + offset).copied().unwrap_or(f64::NAN), decimals);
+                let values = values.get(start * stride + offset..)?.iter().step_by((*stride).max(1));
+                for (to, value) in known.iter_mut().zip(values) {
+                    *to = *value;
+                }
             }
-            Column::Computed { rows, value } => {
-                out.number(if row < *rows { value(row) } else { f64::NAN }, decimals);
-            }
-            Column::Flags(v) => out.byte(if v.get(row) == Some(&true) { b'1' } else { b'0' }),
+            Column::Computed { fill, .. } => fill(start, known),
+            Column::Flags(_) | Column::Texts(_) => return None,
         }
+        Some(())
     }
 }
 
@@ -173,13 +128,6 @@ pub fn push_text(out: &mut Vec<u8>, text: &str) {
         out.extend_from_slice(text.as_bytes());
     }
 }
-
-/// Rows that are made into text together; the text stays in the processor's cache.
-const ROWS: usize = 1024;
-/// Cells whose texts are made before they are joined.
-const CELLS: usize = 8;
-/// Numbers below which a table is written by one thread.
-const SMALL: usize = 1 << 18;
 
 /// Writes a table as CSV: a header, then one row a sample. Long tables are made into text by as many threads as
 /// there are processors, the same text whatever their number.
@@ -198,117 +146,7 @@ pub fn csv(
     }
     header.push(b'\n');
     sink.write_all(&header)?;
-    let rows = columns.iter().map(Column::len).max().unwrap_or(0);
-    let table = Table { columns, decimals, rows };
-    let threads = if rows * columns.len() < SMALL {
-        1
-    } else {
-        std::thread::available_parallelism().map_or(1, std::num::NonZero::get)
-    };
-    if threads > 1 {
-        return table.parallel(sink, threads);
-    }
-    let mut page = Page::default();
-    for start in (0..rows).step_by(ROWS) {
-        table.lines(&mut page, start);
-        sink.write_all(page.bytes.get(..page.length).unwrap_or_default())?;
-    }
-    Ok(())
-}
-
-struct Table<'a> {
-    columns: &'a [Column<'a>],
-    decimals: Decimals,
-    rows: usize,
-}
-
-impl Table<'_> {
-    /// The text of the rows from `start` on, as many as are made together.
-    fn lines(&self, page: &mut Page, start: usize) {
-        page.length = 0;
-        let mut scratch: [Scratch; CELLS] = std::array::from_fn(|_| Scratch::new());
-        for row in start..self.rows.min(start + ROWS) {
-            for columns in self.columns.chunks(CELLS) {
-                if !self.cells(page, row, columns, &mut scratch) {
-                    for column in columns {
-                        column.push(page, row, self.decimals);
-                        page.byte(b',');
-                    }
-                }
-            }
-            page.length = page.length.saturating_sub(1); // the last comma
-            page.byte(b'\n');
-        }
-    }
-
-    /// Appends up to [`CELLS`] cells and a comma after each; not where one of them is a long text.
-    #[inline(always)]
-    fn cells(
-        &self,
-        page: &mut Page,
-        row: usize,
-        columns: &[Column<'_>],
-        scratch: &mut [Scratch; CELLS],
-    ) -> bool {
-        let mut texts: [&[u8]; CELLS] = [b""; CELLS];
-        for ((text, scratch), column) in texts.iter_mut().zip(scratch).zip(columns) {
-            match column.text(scratch, row, self.decimals) {
-                Some(made) => *text = made,
-                None => return false,
-            }
-        }
-        let Some(room) = page.room::<{ CELLS * (WINDOW + 1) }>() else { return false };
-        let mut at = 0;
-        for text in texts.iter().take(columns.len()) {
-            let Some(window) = room.get_mut(at..).and_then(|rest| rest.first_chunk_mut()) else {
-                return false;
-            };
-            at += decimal::put(window, bare(text, self.decimals));
-            if let Some(place) = room.get_mut(at) {
-                *place = b',';
-            }
-            at += 1;
-        }
-        page.length += at;
-        true
-    }
-
-    /// Threads make the text, this one writes it in order.
-    fn parallel(&self, sink: &mut dyn Write, threads: usize) -> io::Result<()> {
-        let (send, receive) = mpsc::channel::<(usize, Page, mpsc::Sender<Page>)>();
-        let receive = Mutex::new(receive);
-        std::thread::scope(|scope| {
-            for _ in 0..threads {
-                scope.spawn(|| {
-                    loop {
-                        let job = receive.lock().map_or(None, |jobs| jobs.recv().ok());
-                        let Some((start, mut page, answer)) = job else { return };
-                        self.lines(&mut page, start);
-                        // Nobody waits where writing failed.
-                        let _ = answer.send(page);
-                    }
-                });
-            }
-            let send = send; // dropped at the end: the threads end too
-            let mut spare = Vec::new();
-            let mut coming = VecDeque::new();
-            let mut starts = (0..self.rows).step_by(ROWS);
-            loop {
-                while coming.len() < 4 * threads
-                    && let Some(start) = starts.next()
-                {
-                    let (answer, result) = mpsc::channel();
-                    if send.send((start, spare.pop().unwrap_or_default(), answer)).is_ok() {
-                        coming.push_back(result);
-                    }
-                }
-                let Some(next) = coming.pop_front() else { return Ok(()) };
-                let Ok(page) = next.recv() else { return Ok(()) };
-                sink.write_all(page.bytes.get(..page.length).unwrap_or_default())?;
-                spare.push(page);
-            }
-        })
-    }
+    table::write(sink, columns, decimals)
 }
 
 /// Writes a recording's canonical columns (INTERFACES): `time_s, acc_x … gyr_z[, temp_c]`, then kept ones.
@@ -386,14 +224,19 @@ mod tests {
     /// A table long enough for several threads, against the plain way of making it.
     #[test]
     fn a_long_table_as_std_writes_it() {
-        let rows = SMALL / 3;
+        let rows = table::SMALL / 3;
         let numbers: Vec<f64> = (0..rows).map(|k| k as f64 / 3.0 - 1000.0).collect();
         let flags: Vec<bool> = (0..rows).map(|k| k % 7 == 0).collect();
         let texts: Vec<Box<str>> = (0..rows).map(|k| format!("a \"{k}\"").into()).collect();
         let half = |k: usize| k as f64 * 0.5;
+        let halves = |start: usize, out: &mut [f64]| {
+            for (k, value) in out.iter_mut().enumerate() {
+                *value = half(start + k);
+            }
+        };
         let columns = [
             Column::Numbers(&numbers),
-            Column::Computed { rows: rows - 1, value: &half },
+            Column::Computed { rows: rows - 1, fill: &halves },
             Column::Flags(&flags),
             Column::Texts(&texts),
         ];
@@ -413,6 +256,51 @@ mod tests {
             let value = f64::from_bits(bits);
             if value.is_finite() {
                 prop_assert_eq!(text(value, Decimals::Shortest).parse::<f64>().unwrap(), value);
+            }
+        }
+
+        /// Numbers made ready together: as short as std finds it can be, reading back to the same bits, and nothing
+        /// nearer of that length.
+        #[test]
+        fn shortest_in_a_table(bits in proptest::collection::vec(any::<u64>(), 70), exponent in 1000u64..1060) {
+            let numbers: Vec<f64> = bits
+                .iter()
+                .enumerate()
+                .map(|(k, bits)| match k % 4 {
+                    0 => (*bits % 100_000_000) as f64 / 8192.0,
+                    1 => (*bits % 10_000_000) as f64 / 1000.0,
+                    2 => (*bits % 1_000_000_000) as f64 * if bits >> 63 == 1 { -1e-6 } else { 1e-7 },
+                    _ => f64::from_bits(bits & 0x800F_FFFF_FFFF_FFFF | (exponent + bits % 5) << 52),
+                })
+                .collect();
+            let mut out = Vec::new();
+            csv(&mut out, &["a"], &[Column::Numbers(&numbers)], Decimals::Shortest).unwrap();
+            let out = String::from_utf8(out).unwrap();
+            for (line, value) in out.lines().skip(1).zip(numbers) {
+                prop_assert_eq!(line.parse::<f64>().unwrap(), value);
+                // std's shortest digits are the nearest too; of two as near it takes the greater, we the even one.
+                let std = format!("{value}");
+                let exact = format!("{value:.70}");
+                let exact = exact.trim_end_matches('0');
+                let tie = exact.len() == line.len() + 1 && exact.ends_with('5') && exact.starts_with(line);
+                let small = line.contains('e'); // std writes no exponents
+                prop_assert!(small || line == std || tie && line.len() == std.len() && line.ends_with('2'), "{} {}", line, std);
+            }
+        }
+
+        #[test]
+        fn fixed_in_a_table(
+            values in proptest::collection::vec((-1e9f64..1e9, 0usize..12), 70),
+            places in 0u8..=12,
+        ) {
+            let numbers: Vec<f64> = values.iter().map(|(v, scale)| v / (1..=*scale).fold(1.0, |power, _| power * 10.0)).collect();
+            let mut out = Vec::new();
+            csv(&mut out, &["a"], &[Column::Numbers(&numbers)], Decimals::Fixed(places)).unwrap();
+            let out = String::from_utf8(out).unwrap();
+            for (line, value) in out.lines().skip(1).zip(numbers) {
+                let expected = format!("{value:.0$}", usize::from(places));
+                let zero = expected.bytes().all(|b| matches!(b, b'-' | b'0' | b'.'));
+                prop_assert_eq!(line, if zero { expected.trim_start_matches('-') } else { &expected });
             }
         }
 

@@ -118,34 +118,87 @@ pub fn find_rests(
     dt: Dt<'_>,
     settings: &RestSettings,
 ) -> Result<Vec<Range<usize>>> {
-    settings.check()?;
-    same_length(acc_m_s2.len(), gyro_rad_s.len())?;
-    dt.check(acc_m_s2.len())?;
-    check_rows(acc_m_s2, 0)?;
-    check_rows(gyro_rad_s, 0)?;
+    check_all(acc_m_s2, gyro_rad_s, dt, settings)?;
     let blocks = make_blocks(acc_m_s2, gyro_rad_s, dt, settings);
     let mut rests = Vec::new();
-    let mut start = 0;
-    while start < blocks.len() {
-        let mut end = start + 1;
-        while end < blocks.len() && !blocks[end].after_gap {
-            end += 1;
-        }
-        search_stretch(&blocks[start..end], settings, &mut rests);
-        start = end;
-    }
+    search_stretches(&blocks, settings, true, &mut rests, false);
     Ok(rests)
 }
 
-/// The first of [`find_rests`]; refused ([`Error::NoRest`]) when there is none.
+fn check_all(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>, settings: &RestSettings) -> Result<()> {
+    settings.check()?;
+    same_length(acc.len(), gyro.len())?;
+    dt.check(acc.len())?;
+    check_rows(acc, 0)?;
+    check_rows(gyro, 0)
+}
+
+/// The first of [`find_rests`]; refused ([`Error::NoRest`]) when there is none. What follows that rest is hardly
+/// looked at.
 pub fn first_rest(
     acc_m_s2: &[Vec3],
     gyro_rad_s: &[Vec3],
     dt: Dt<'_>,
     settings: &RestSettings,
 ) -> Result<Range<usize>> {
-    let rests = find_rests(acc_m_s2, gyro_rad_s, dt, settings)?;
-    rests.into_iter().next().ok_or(Error::NoRest { needed_s: settings.min_length_s })
+    check_all(acc_m_s2, gyro_rad_s, dt, settings)?;
+    first_of_checked(acc_m_s2, gyro_rad_s, dt, settings)
+}
+
+/// [`first_rest`] of rows and steps that were looked at already.
+pub(crate) fn first_of_checked(
+    acc: &[Vec3],
+    gyro: &[Vec3],
+    dt: Dt<'_>,
+    settings: &RestSettings,
+) -> Result<Range<usize>> {
+    settings.check()?;
+    first_from(acc, gyro, dt, settings, 1 << 14)
+}
+
+/// Searches the first `rows` rows, then more and more.
+fn first_from(
+    acc: &[Vec3],
+    gyro: &[Vec3],
+    dt: Dt<'_>,
+    settings: &RestSettings,
+    mut rows: usize,
+) -> Result<Range<usize>> {
+    loop {
+        let whole = rows >= acc.len();
+        let part = rows.min(acc.len());
+        let mut blocks = make_blocks(&acc[..part], &gyro[..part], dt, settings);
+        if !whole {
+            blocks.pop(); // it may go on
+        }
+        let mut rests = Vec::new();
+        search_stretches(&blocks, settings, whole, &mut rests, true);
+        match rests.into_iter().next() {
+            Some(first) => return Ok(first),
+            None if whole => return Err(Error::NoRest { needed_s: settings.min_length_s }),
+            None => rows = rows.saturating_mul(8),
+        }
+    }
+}
+
+/// Searches what lies between gaps. Unless the blocks are the `whole` recording a run at their end is not known yet;
+/// where only the `first` rest is wanted the search ends with it.
+fn search_stretches(
+    blocks: &[Block],
+    settings: &RestSettings,
+    whole: bool,
+    rests: &mut Vec<Range<usize>>,
+    first: bool,
+) {
+    let mut start = 0;
+    while start < blocks.len() && (!first || rests.is_empty()) {
+        let mut end = start + 1;
+        while end < blocks.len() && !blocks[end].after_gap {
+            end += 1;
+        }
+        search_stretch(&blocks[start..end], settings, whole || end < blocks.len(), rests, first);
+        start = end;
+    }
 }
 
 fn make_blocks(acc: &[Vec3], gyro: &[Vec3], dt: Dt<'_>, settings: &RestSettings) -> Vec<Block> {
@@ -240,8 +293,14 @@ fn spread(blocks: &[Block], limit: f64, deviation: impl Fn(&Block) -> Vec3) -> f
     variance - noise.min(limit * limit)
 }
 
-/// Blocks without a gap between them.
-fn search_stretch(blocks: &[Block], settings: &RestSettings, rests: &mut Vec<Range<usize>>) {
+/// Blocks without a gap between them; `ends` where no more of them follow.
+fn search_stretch(
+    blocks: &[Block],
+    settings: &RestSettings,
+    ends: bool,
+    rests: &mut Vec<Range<usize>>,
+    first: bool,
+) {
     let mut run: Option<Run> = None;
     let mut window_start = 0;
     let mut length_s = 0.0;
@@ -263,10 +322,13 @@ fn search_stretch(blocks: &[Block], settings: &RestSettings, rests: &mut Vec<Ran
         let joins = run.as_ref().is_some_and(|run| window_start <= run.last && run.fits(&window, settings));
         if !joins && let Some(run) = run.take() {
             run.finish(blocks, settings, rests);
+            if first && !rests.is_empty() {
+                return;
+            }
         }
         run.get_or_insert_with(|| Run::new(window_start)).extend(end, &window);
     }
-    if let Some(run) = run.take() {
+    if let Some(run) = run.take().filter(|_| ends) {
         run.finish(blocks, settings, rests);
     }
 }
@@ -315,5 +377,43 @@ impl Run {
         if length_s >= 0.999 * settings.min_length_s {
             rests.push(blocks[first].rows.0..blocks[last].rows.1);
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Movement with pauses of several lengths and a gap: the first rest is the same however little is looked at at
+    /// once, and from wherever the recording starts and ends.
+    #[test]
+    fn the_first_of_all() {
+        let mut seed = 1u32;
+        let mut noise = || {
+            seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+            f64::from(seed >> 8) / 16_777_216.0 - 0.5
+        };
+        let (mut acc, mut gyro, mut dt_s) = (Vec::new(), Vec::new(), Vec::new());
+        for row in 0..6_000usize {
+            let still = row % 1_000 < [0, 60, 130, 400, 90, 300][row / 1_000];
+            let size = if still { 0.01 } else { 2.0 };
+            gyro.push([size * noise(), size * noise(), size * noise()]);
+            acc.push([size * noise(), size * noise(), 9.8 + size * noise()]);
+            dt_s.push(if row == 3_100 { 2.0 } else { 0.01 });
+        }
+        let settings = RestSettings::default();
+        let mut found = 0;
+        for (from, to) in [(0, 6_000), (0, 3_150), (0, 2_120), (2_050, 2_400), (3_090, 6_000), (3_500, 4_500)]
+        {
+            let (acc, gyro) = (&acc[from..to], &gyro[from..to]);
+            let dt = Dt::PerSample(&dt_s[from..to]);
+            let all = find_rests(acc, gyro, dt, &settings).unwrap();
+            let expected = all.first().cloned().ok_or(Error::NoRest { needed_s: settings.min_length_s });
+            found += usize::from(expected.is_ok());
+            for rows in [1, 2, 7, 40, 200, 201, 777, 2_300, 10_000] {
+                assert_eq!(first_from(acc, gyro, dt, &settings, rows), expected, "{from} to {to}, {rows}");
+            }
+        }
+        assert!(found >= 4);
     }
 }
