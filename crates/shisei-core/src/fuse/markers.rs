@@ -158,10 +158,10 @@ impl Off<'_> {
         off <= JUMP_M + FASTEST_M_S * (self.time_s[frame] - self.time_s[last])
     }
 
-    /// Whether a piece bends away from one before it and then goes straight on for long enough.
-    fn bends(&self, before: &Piece, after: &Piece) -> bool {
+    /// Whether both of two pieces of a sighting that bends between them go on evenly for long enough to tell.
+    fn bends(&self, before: &Piece, after: &Piece) -> Option<bool> {
         let long = |piece: &Piece| self.time_s[piece.last] - self.time_s[piece.first] >= STRAIGHT_S;
-        after.bent && long(before) && long(after)
+        (long(before) && long(after)).then_some(true)
     }
 
     /// Whether the newest of a marker's sightings continues the way of those before it, two windows ago, one ago, and
@@ -247,15 +247,12 @@ impl Off<'_> {
         if from > to {
             let (earlier, later) = if a.last < b.first { (a, b) } else { (b, a) };
             let near = self.time_s[later.first] - self.time_s[earlier.last] <= JOIN_S;
-            // one sighting is cut where it does not agree
-            let well = || {
-                let seen = |frame| self.at(a.marker, frame)[0].is_finite();
-                let cut = a.marker == b.marker && !(earlier.last + 1..later.first).any(seen);
-                if cut {
-                    return later.cut[0] && self.bends(earlier, later);
-                }
-                self.agree((earlier.marker, earlier.last), (later.marker, later.first))
-            };
+            let seen = |frame| self.at(a.marker, frame)[0].is_finite();
+            if near && a.marker == b.marker && !(earlier.last + 1..later.first).any(seen) {
+                // one sighting: cut by a jump, or where it bends
+                return if later.bent { self.bends(earlier, later) } else { Some(false) };
+            }
+            let well = || self.agree((earlier.marker, earlier.last), (later.marker, later.first));
             return near.then(well);
         }
         let mut all = None;
