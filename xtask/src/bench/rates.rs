@@ -1,8 +1,9 @@
 //! The trials at other sample rates, with jitter and lost samples.
 //!
 //! A resampled reading is the mean over one nominal step, as a sensor with a filter of its own gives it, up to the
-//! time of the sample; between the recording's samples its integral runs straight. The truth is that of the same
-//! time. Clean is the same rate without jitter and loss: what a low rate costs by itself is seen by comparing rates.
+//! time of the sample; between the recording's samples its integral runs straight. Below the recording's own rate there
+//! are also readings of the moment (of the recording's step), as a sensor without such a filter gives them. The truth
+//! is that of the same time. Clean is the same rate without jitter and loss: what a low rate costs by itself is seen by comparing rates.
 
 use shisei_core::estimator::{Estimator, Sample, Settings, smooth};
 use shisei_core::filter::Dt;
@@ -15,6 +16,7 @@ use crate::project::Project;
 use crate::run::must;
 
 const RATES_HZ: [f64; 4] = [50.0, 100.0, 286.0, 1000.0];
+const MOMENTS_HZ: [f64; 2] = [50.0, 100.0];
 /// Largest share of a step by which a sample comes early or late, and share of the samples that are lost.
 const JITTER: f64 = 0.2;
 const LOST: f64 = 0.05;
@@ -60,11 +62,12 @@ fn truth_at(trial: &Trial, row: f64) -> Option<Quaternion> {
     Some(Quaternion::new(mixed(a.w, b.w), mixed(a.x, b.x), mixed(a.y, b.y), mixed(a.z, b.z)).normalized())
 }
 
-fn resample(trial: &Trial, rate_hz: f64, jitter: f64, lost: f64, seed: u64) -> Resampled {
+fn resample(trial: &Trial, rate_hz: f64, averaged: bool, [jitter, lost]: [f64; 2], seed: u64) -> Resampled {
     let rows = trial.truth.len() as f64;
     let (acc, gyro) = (integral(&trial.acc_m_s2), integral(&trial.gyro_rad_s));
     // one nominal step, in rows of the trial
     let step = 1.0 / (rate_hz * trial.dt_s);
+    let window = if averaged { step } else { 1.0 };
     let mut state = seed;
     let mut out = Resampled {
         trial: Trial {
@@ -88,8 +91,8 @@ fn resample(trial: &Trial, rate_hz: f64, jitter: f64, lost: f64, seed: u64) -> R
             continue;
         }
         let mean = |integral: &[Vec3]| {
-            let (end, start) = (at(integral, row), at(integral, row - step));
-            [0, 1, 2].map(|j| (end[j] - start[j]) / step)
+            let (end, start) = (at(integral, row), at(integral, row - window));
+            [0, 1, 2].map(|j| (end[j] - start[j]) / window)
         };
         out.trial.acc_m_s2.push(mean(&acc));
         out.trial.gyro_rad_s.push(mean(&gyro));
@@ -144,13 +147,14 @@ pub fn compare(project: &Project, trials: &[Trial], peers: bool) -> std::result:
         "\ninclination RMSE, degrees, with the optics' 2.5 ms, at other rates: clean -> ±20 % jitter and 5 % lost"
     );
     let mut lines = Vec::new();
-    for rate_hz in RATES_HZ {
+    let averages = RATES_HZ.map(|rate_hz| (rate_hz, true));
+    for (rate_hz, averaged) in averages.into_iter().chain(MOMENTS_HZ.map(|rate_hz| (rate_hz, false))) {
         eprintln!("{rate_hz} Hz");
         // ours and VQF, live and offline; clean and rough
         let mut means = [[0.0; 2]; 4];
         for (seed, trial) in trials.iter().enumerate() {
-            for (place, (jitter, lost)) in [(0.0, 0.0), (JITTER, LOST)].into_iter().enumerate() {
-                let resampled = resample(trial, rate_hz, jitter, lost, seed as u64 + 1);
+            for (place, rough) in [[0.0, 0.0], [JITTER, LOST]].into_iter().enumerate() {
+                let resampled = resample(trial, rate_hz, averaged, rough, seed as u64 + 1);
                 let own = ours(&resampled).map_err(|error| format!("{}: {error}", trial.name))?;
                 let other = if peers { vqf(project, &resampled)? } else { [f64::NAN; 2] };
                 for (mean, value) in means.iter_mut().zip(own.into_iter().chain(other)) {
@@ -158,7 +162,8 @@ pub fn compare(project: &Project, trials: &[Trial], peers: bool) -> std::result:
                 }
             }
         }
-        print!("{rate_hz:5} Hz");
+        let readings = if averaged { "" } else { ", moments" };
+        print!("{rate_hz:5} Hz{readings}");
         let names = ["shisei-online", "shisei", "vqf", "vqf-offline"];
         for (place, (name, [clean, rough])) in names.into_iter().zip(means).enumerate() {
             if clean.is_finite() {
@@ -166,7 +171,7 @@ pub fn compare(project: &Project, trials: &[Trial], peers: bool) -> std::result:
             }
             if place < 2 && rough > COST * clean {
                 lines.push(format!(
-                    "{name} at {rate_hz} Hz: {clean:.3} clean, {rough:.3} with jitter and loss"
+                    "{name} at {rate_hz} Hz{readings}: {clean:.3} clean, {rough:.3} with jitter and loss"
                 ));
             }
         }
