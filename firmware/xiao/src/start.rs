@@ -51,8 +51,18 @@ macro_rules! layer_parts {
 macro_rules! controller_parts {
     ($p:ident) => {
         ::nrf_sdc::Peripherals::new(
-            $p.PPI_CH17, $p.PPI_CH18, $p.PPI_CH20, $p.PPI_CH21, $p.PPI_CH22, $p.PPI_CH23, $p.PPI_CH24,
-            $p.PPI_CH25, $p.PPI_CH26, $p.PPI_CH27, $p.PPI_CH28, $p.PPI_CH29,
+            $p.PPI_CH17,
+            $p.PPI_CH18,
+            $p.PPI_CH20,
+            $p.PPI_CH21,
+            $p.PPI_CH22,
+            $p.PPI_CH23,
+            $p.PPI_CH24,
+            $p.PPI_CH25,
+            $p.PPI_CH26,
+            $p.PPI_CH27,
+            $p.PPI_CH28,
+            $p.PPI_CH29,
         )
     };
 }
