@@ -135,7 +135,7 @@ pub(crate) fn bridge_by_points(
 pub(super) const UPDATE_S: f64 = 0.035;
 
 /// Gaps from this length on have their motion bounded, and fully from the second, s.
-const BOUND_FROM_S: f64 = 10.0;
+const BOUND_FROM_S: f64 = 3.0;
 const BOUND_FULL_S: f64 = 30.0;
 
 /// How strongly the motion is bounded in a gap of this length, 0 … 1.
