@@ -16,8 +16,8 @@
 
 #[cfg(feature = "alloc")]
 mod backward;
-#[cfg(feature = "alloc")]
 mod between;
+#[cfg(feature = "alloc")]
 mod bridge;
 mod calibration;
 mod covariance;
