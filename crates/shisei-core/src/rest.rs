@@ -9,6 +9,7 @@ mod search;
 
 #[cfg(feature = "alloc")]
 pub(crate) use search::first_of_checked;
+#[cfg(feature = "alloc")]
 pub use search::{RestSettings, find_rests, first_rest};
 
 /// Fewer samples than this give no gyroscope bias.
