@@ -34,6 +34,8 @@ fn run(run: &mut Run<'_>) {
     }
     let clippy = ["clippy", "--quiet", "--workspace", "--all-targets", "--", "-D", "warnings"];
     run.step("cargo clippy", project.cargo().args(clippy));
+    let without = ["clippy", "--quiet", "-p", "shisei-core", "--no-default-features", "--", "-D", "warnings"];
+    run.step("the core without an allocator", project.cargo().args(without));
     let mut doc = project.cargo();
     doc.args(["doc", "--quiet", "--workspace", "--no-deps"]);
     run.step("cargo doc", doc.env("RUSTDOCFLAGS", "-D warnings"));
