@@ -15,8 +15,7 @@ pub(super) const AHEAD: usize = SIDE - 1;
 const SIDE_OF_PART: usize = 3;
 /// From this part of the usual step on samples are lost, not only late.
 pub(super) const LOST: f64 = 0.5;
-/// How many times the difference between polynomials the error is, root mean square: on BROAD's even trials at 50 Hz
-/// 2.6 to 3.2 of what polynomials through eight nodes differ by in each.
+/// How many times the difference between polynomials the error is taken for; chosen on BROAD's even trials at 50 Hz.
 const ERRORS_PER_DIFFERENCE: f64 = 2.5;
 /// Samples that follow each other within this part of the usual step, or after more than so many, say nothing of the
 /// rate's course.
@@ -181,8 +180,8 @@ mod tests {
         [x, -2.0 * x, 0.5]
     }
 
-    /// Samples at these times, of which the one at `hole` has a hole before it; the first `known` of those behind it
-    /// are told ahead of time, the others are in the trail.
+    /// What is found in the hole before the sample `hole` of samples at these times, and the truth; the samples after it
+    /// are told `ahead` of time, or have come.
     fn between(powers: &[f64], times: &[f64], hole: usize, ahead: bool) -> (Between, Vec3) {
         let stepped: alloc::vec::Vec<Stepped> = (1..times.len())
             .map(|k| (mean(powers, times[k] - USUAL_S, times[k]), times[k] - times[k - 1]))

@@ -20,6 +20,19 @@ pub struct OpticalPose {
     pub position_m: Vec3,
 }
 
+impl OpticalPose {
+    /// The pose with its position counted from the first one, m; none where it is not finite.
+    #[cfg(feature = "alloc")]
+    pub(super) fn counted_from(&self, first_m: &mut Option<Vec3>) -> Option<OpticalPose> {
+        let world_from_body = self.world_from_body.try_normalized().ok()?;
+        if !vector::is_finite(self.position_m) {
+            return None;
+        }
+        let origin_m = *first_m.get_or_insert(self.position_m);
+        Some(OpticalPose { world_from_body, position_m: vector::sub(self.position_m, origin_m) })
+    }
+}
+
 /// A marker of the optical body, seen at a sample.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Point {

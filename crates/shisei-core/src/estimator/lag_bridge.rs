@@ -135,7 +135,7 @@ impl FixedLagBridge {
     /// and nothing waited for: `sigma_position_m` is infinite, as it is where a hole in the samples has cut the
     /// position off from all poses.
     pub fn update(&mut self, sample: &Sample, pose: Option<&OpticalPose>, out: &mut Vec<Bridged>) {
-        let pose = pose.and_then(|pose| self.fit(pose));
+        let pose = pose.and_then(|pose| pose.counted_from(&mut self.origin_m));
         if self.origin_m.is_none() {
             out.push(unknown());
             return;
@@ -166,16 +166,6 @@ impl FixedLagBridge {
             self.smooth();
             out.append(&mut self.ahead);
         }
-    }
-
-    /// A pose with its position counted from the first one.
-    fn fit(&mut self, pose: &OpticalPose) -> Option<OpticalPose> {
-        let world_from_body = pose.world_from_body.try_normalized().ok()?;
-        if !vector::is_finite(pose.position_m) {
-            return None;
-        }
-        let origin_m = *self.origin_m.get_or_insert(pose.position_m);
-        Some(OpticalPose { world_from_body, position_m: vector::sub(pose.position_m, origin_m) })
     }
 
     /// Smooths all that is kept, gives out what has waited long enough.

@@ -63,7 +63,7 @@ impl LiveBridge {
     /// up. A pose that is not finite is none. Until the first pose nothing is known: `sigma_position_m` is infinite,
     /// as it is later where a hole in the samples has cut the position off from the last pose.
     pub fn update(&mut self, sample: &Sample, pose: Option<&OpticalPose>) -> Bridged {
-        let pose = pose.and_then(|pose| self.fit(pose));
+        let pose = pose.and_then(|pose| pose.counted_from(&mut self.origin_m));
         if self.origin_m.is_none() {
             return self.bridged;
         }
@@ -96,16 +96,6 @@ impl LiveBridge {
     /// follows from one that was seen.
     pub(super) fn parts(&self) -> (Runner<STATES_WITH_LEVER, 1>, OpticalNoise, Option<Vec3>, bool) {
         (self.runner, self.noise, self.origin_m, self.placed)
-    }
-
-    /// A pose with its position counted from the first one.
-    fn fit(&mut self, pose: &OpticalPose) -> Option<OpticalPose> {
-        let world_from_body = pose.world_from_body.try_normalized().ok()?;
-        if !vector::is_finite(pose.position_m) {
-            return None;
-        }
-        let origin_m = *self.origin_m.get_or_insert(pose.position_m);
-        Some(OpticalPose { world_from_body, position_m: vector::sub(pose.position_m, origin_m) })
     }
 
     fn now(&self) -> Bridged {
