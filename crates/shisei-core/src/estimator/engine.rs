@@ -269,9 +269,7 @@ impl<const N: usize> Engine<N> {
         let acc_change = vector::sub(now.1, acc_before);
         let gyro = match &reading.between {
             Some(between) => {
-                let mean = vector::scale(vector::sub(between.rate, now.0), 2.0 * share);
-                let missing = 2.0 * share * dt;
-                self.sums.doubt(self.nominal.world_from_body, between.variance, missing);
+                let mean = vector::scale(vector::sub(*between, now.0), 2.0 * share);
                 vector::add(now.0, mean)
             }
             None => now.0,

@@ -1,7 +1,7 @@
 //! Samples as they come, and readings as the filters take them: nothing that is not a finite number of a
 //! possible size gets past, and steps that are lost or irregular are known as such.
 
-use super::between::{Between, Hole};
+use super::between::Hole;
 use super::calibration::Calibration;
 use super::settings::Settings;
 use crate::vector::{self, Vec3};
@@ -25,8 +25,8 @@ pub(super) struct Reading {
     pub dt_s: f64,
     /// (dt − usual dt) / (2 dt): how much of the step the sample before stands for.
     pub irregular: f64,
-    /// What the rate was in the part of the step for which the sample does not stand, where there is one.
-    pub between: Option<Between>,
+    /// The mean rate over the part of the step for which the sample does not stand, where that is told, rad/s.
+    pub between: Option<Vec3>,
     /// False where the rate could not be read and the last one is taken instead.
     pub gyro_known: bool,
     /// The same of the acceleration.

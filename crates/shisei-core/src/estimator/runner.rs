@@ -1,7 +1,7 @@
 //! Filters on a stream of samples: start, gaps, rests, and the watch that starts them anew when what they say
 //! can no longer be.
 
-use super::between::{AHEAD, Between, Hole, LOST, Stepped, Trail};
+use super::between::{AHEAD, Between, Hole, Stepped, Trail};
 use super::engine::{Engine, Sight};
 use super::guard::{Checked, Guard, Reading, Sample};
 use super::level::Leveller;
@@ -39,6 +39,9 @@ const UNCALIBRATED: f64 = 0.15;
 const GIVEN_UP_HEADING: f64 = 1.0;
 const LARGEST_HEADING: f64 = core::f64::consts::PI * core::f64::consts::PI;
 
+/// Holes of which later samples may tell more: one a sample at most.
+const OPEN: usize = AHEAD + 1;
+
 /// A hole that the filters went over.
 #[derive(Clone, Copy, Debug)]
 struct Open {
@@ -48,6 +51,8 @@ struct Open {
     world_from_body: Quaternion,
     /// Samples since it ended, the one that did left out.
     after: usize,
+    /// Whether the filters were told how well its turn is known.
+    doubted: bool,
 }
 
 /// E filters of N error states on the same samples.
@@ -59,8 +64,8 @@ pub(super) struct Runner<const N: usize, const E: usize> {
     /// The rates after the sample to come, corrected, and how many, where they are known already.
     pub ahead: Option<([Stepped; AHEAD], usize)>,
     trail: Trail,
-    /// Holes of which later samples of this interval may tell more, the newest first.
-    open: [Option<Open>; AHEAD],
+    /// Holes of which later samples may tell more, the newest first.
+    open: [Option<Open>; OPEN],
     /// The level that the filters last started from.
     pub last_level: Option<Leveller>,
     pub at_rest: bool,
@@ -84,7 +89,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             last_level: None,
             ahead: None,
             trail: Trail::default(),
-            open: [None; AHEAD],
+            open: [None; OPEN],
             at_rest: false,
             guard: Guard::default(),
             rest: RestFinder::default(),
@@ -114,7 +119,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         if gap_s.is_some() {
             self.rest.restart();
             self.trail.restart();
-            self.open = [None; AHEAD];
+            self.open = [None; OPEN];
         }
         if !reading.gyro_known {
             self.trail.restart();
@@ -149,10 +154,16 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         }
         if let Some(hole) = reading.hole() {
             let (rates, count) = ahead.unwrap_or(([([0.0; 3], 0.0); AHEAD], 0));
-            reading.between = self.trail.between(hole, 0, &rates[..count]);
-            if let Some(between) = reading.between.filter(|_| hole.missing_s > LOST * hole.usual_s) {
-                self.fill(&reading, hole, between, ahead.is_none());
-                reading = Reading { dt_s: hole.usual_s, irregular: 0.0, between: None, ..reading };
+            if let Some(between) = self.trail.between(hole, 0, &rates[..count]) {
+                self.pass(hole, between, ahead.is_none());
+                if hole.is_loss() {
+                    for engine in &mut self.engines {
+                        engine.fill(&reading, between.rate, hole.missing_s);
+                    }
+                    reading = Reading { dt_s: hole.usual_s, irregular: 0.0, ..reading };
+                } else {
+                    reading.between = Some(between.rate);
+                }
             }
         }
         for engine in &mut self.engines {
@@ -160,29 +171,20 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         }
         self.look_back();
         let time_s = self.engines[0].sums.time_s + 0.5 * reading.dt_s;
-        let waits =
-            sight.is_none() && time_s < 2.0 * self.settings.update_s && self.open.iter().any(Option::is_some);
-        if time_s >= self.settings.update_s && !waits { self.close(sight) } else { Event::Moved }
+        if time_s >= self.settings.update_s { self.close(sight) } else { Event::Moved }
     }
 
-    /// Moves all filters over a hole before a reading; `open`, if later samples may tell more of it.
-    fn fill(&mut self, reading: &Reading, hole: Hole, between: Between, open: bool) {
-        let before = self.engines[0].nominal.world_from_body;
-        for engine in &mut self.engines {
-            engine.fill(reading, between.rate, hole.missing_s);
-        }
+    /// Notes a hole that begins now; `open`, if later samples may tell more of it.
+    fn pass(&mut self, hole: Hole, between: Between, open: bool) {
         let turn = vector::scale(between.rate, 0.5 * hole.missing_s);
+        let before = self.engines[0].nominal.world_from_body;
         let world_from_body = before.product(exp_half(vector::scale(turn, 0.5)));
-        let filled = Open { hole, between, world_from_body, after: 0 };
+        let mut passed = Open { hole, between, world_from_body, after: 0, doubted: false };
         if open {
-            // more than there is room for: the oldest stays as it is
-            if let Some(oldest) = self.open[AHEAD - 1].take() {
-                self.doubt(&oldest);
-            }
             self.open.rotate_right(1);
-            self.open[0] = Some(filled);
+            self.open[0] = Some(passed);
         } else {
-            self.doubt(&filled);
+            self.doubt(&mut passed);
         }
     }
 
@@ -202,10 +204,10 @@ impl<const N: usize, const E: usize> Runner<N, E> {
                 open.between = between;
             }
             open.after += 1;
-            if open.after <= AHEAD {
+            if open.after <= open.hole.later() {
                 self.open[place] = Some(open);
             } else {
-                self.doubt(&open);
+                self.doubt(&mut open);
             }
         }
     }
@@ -215,8 +217,12 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         self.engines[0].nominal.world_from_body.conjugate().product(open.world_from_body)
     }
 
-    /// Tells all filters how well the turn in a hole is known.
-    fn doubt(&mut self, open: &Open) {
+    /// Tells all filters how well the turn in a hole is known, once.
+    fn doubt(&mut self, open: &mut Open) {
+        if open.doubted {
+            return;
+        }
+        open.doubted = true;
         let now_from_then = self.since(open);
         for engine in &mut self.engines {
             let then = engine.nominal.world_from_body.product(now_from_then);
@@ -266,9 +272,10 @@ impl<const N: usize, const E: usize> Runner<N, E> {
     }
 
     fn close(&mut self, sight: Option<Sight<'_>>) -> Event {
-        for open in core::mem::take(&mut self.open).iter().flatten() {
-            self.doubt(open);
-        }
+        let mut open = core::mem::take(&mut self.open);
+        open.iter_mut().flatten().for_each(|open| self.doubt(open));
+        // what was seen has corrected the turns already
+        self.open = if sight.is_some() { [None; OPEN] } else { open };
         let sums = &self.engines[0].sums;
         let strange = sums.blind_force_s == 0.0 && self.watch.update(sums.force, sums.time_s);
         for engine in &mut self.engines {
@@ -285,6 +292,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             *engine = fresh;
         }
         self.given_up = true;
+        self.open = [None; OPEN];
         self.heading_lost = (self.heading_lost + GIVEN_UP_HEADING).min(LARGEST_HEADING);
         Event::GivenUp
     }
