@@ -4,6 +4,7 @@
 use super::between::Hole;
 use super::calibration::Calibration;
 use super::settings::Settings;
+use crate::math;
 use crate::vector::{self, Vec3};
 
 /// A sample of an inertial sensor.
@@ -54,6 +55,8 @@ pub(super) enum Checked {
 
 /// Readings of equal bits for longer than this are those of a stuck sensor, s.
 const STUCK_S: f64 = 1.0;
+/// Steps that differ by less than this part of them are equal.
+const ROUNDING: f64 = 1e-6;
 /// Weight of a new step in the usual step, at least.
 const STEP_SHARE: f64 = 0.01;
 
@@ -76,6 +79,11 @@ impl Guard {
     /// The newest rate, rad/s.
     pub(super) fn last_rate(&self) -> Option<Vec3> {
         self.last.map(|last| last.gyro)
+    }
+
+    /// Whether a step is the usual one but for rounding, so that nothing lies between its sample and the one before.
+    pub(super) fn is_usual(&self, dt_s: f64) -> bool {
+        math::abs(dt_s - self.usual_dt_s) < ROUNDING * dt_s
     }
 
     pub(super) fn check(&mut self, sample: &Sample, settings: &Settings) -> Checked {
@@ -140,7 +148,6 @@ impl Guard {
             self.steps = (self.steps - 0.1).max(1.0);
         }
         let share = 0.5 * (dt - self.usual_dt_s) / dt;
-        // steps that differ by rounding are equal
-        if share.abs() < 1e-6 { 0.0 } else { share.max(-0.5) }
+        if share.abs() < ROUNDING { 0.0 } else { share.max(-0.5) }
     }
 }

@@ -235,6 +235,11 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         self.guard.last_rate()
     }
 
+    /// Whether rates ahead can be of use for a sample after this step.
+    pub(super) fn looks_ahead(&self, dt_s: f64) -> bool {
+        !self.guard.is_usual(dt_s)
+    }
+
     /// Ends a level that is still being found; false where there is none.
     pub(super) fn finish_level(&mut self) -> bool {
         let Some(level) = self.level else { return false };

@@ -250,8 +250,11 @@ impl<const N: usize> Forward<N, 1> {
             (model.speed_floor, model.position_spread) = (density, density);
         }
         let sight = recording.sight(k);
-        self.runner.ahead = Some(recording.ahead(k + 1, &self.runner.settings));
-        (self.push(&recording.sample(k), Some(recording.rest[k]), sight), true)
+        let sample = recording.sample(k);
+        if self.runner.looks_ahead(sample.dt_s) {
+            self.runner.ahead = Some(recording.ahead(k + 1, &self.runner.settings));
+        }
+        (self.push(&sample, Some(recording.rest[k]), sight), true)
     }
 }
 

@@ -119,7 +119,7 @@ impl Default for Settings {
             acc_limit_m_s2: 2000.0,
             quick_sigma_share: 0.53,
             smooth_sigma_share: 0.7,
-            heading_sigma_share: 0.33,
+            heading_sigma_share: 0.35,
             calibration: None,
         }
     }
@@ -156,7 +156,7 @@ const CALM: Model = Model {
     velocity_noise: 0.07,
     velocity_noise_per_change: 0.0,
     gyro_bias_start: 0.03,
-    gyro_bias_walk: 2e-4,
+    gyro_bias_walk: 2.5e-4,
     acc_bias_start: 0.02,
     acc_bias_walk: 1e-5,
     gyro_matrix_start: 0.009,
@@ -164,7 +164,7 @@ const CALM: Model = Model {
     acc_scale_start: 0.02,
     speed_share: 3.0,
     speed_floor: 0.05,
-    position_spread: 2.1,
+    position_spread: 1.8,
     position_forget_s: 0.0,
     rest_speed: 0.0056,
     rest_rate: 0.006,
