@@ -96,7 +96,7 @@ pub struct Settings {
     pub quick_sigma_share: f64,
     /// The same of the smoother's tilt. Default 0.7.
     pub smooth_sigma_share: f64,
-    /// The same of the calm filter's heading, live and smoothed. Default 0.33.
+    /// The same of the calm filter's heading, live and smoothed. Default 0.35.
     pub heading_sigma_share: f64,
     /// What is known of the sensor: applied before the filter, with its covariance in place of the start values.
     pub calibration: Option<Calibration>,
