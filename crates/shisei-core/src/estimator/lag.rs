@@ -24,8 +24,11 @@ use crate::vector;
 
 /// Longest delay, s.
 const LONGEST_S: f64 = 10.0;
+/// Samples that wait at most, whatever their steps say.
+const ROWS_MAX: usize = 16_384;
 
-/// The delayed estimator. Memory: about 8 kB an update ([`Settings::update_s`]) of delay.
+/// The delayed estimator. Memory: about 8 kB an update ([`Settings::update_s`]) of delay, and 220 bytes a sample, of
+/// which fewer than 16,384 wait: beyond that the oldest is given out, whatever its delay.
 #[derive(Clone, Debug)]
 pub struct FixedLag {
     forward: Forward<STATES, 2>,
@@ -33,6 +36,8 @@ pub struct FixedLag {
     state: State,
     /// Samples not yet given out: state as known at once, attitude of the quick filter, step, s.
     waiting: VecDeque<(State, Quaternion, f64)>,
+    /// Samples given out, which is the number of the first that waits.
+    given: usize,
     segments: VecDeque<Kept>,
     /// The last segment given out.
     before: Option<Kept>,
@@ -61,6 +66,7 @@ impl FixedLag {
             lag_s,
             state,
             waiting: VecDeque::new(),
+            given: 0,
             segments: VecDeque::new(),
             before: None,
         })
@@ -78,6 +84,9 @@ impl FixedLag {
             while self.oldest_has_waited() {
                 self.release(out);
             }
+        }
+        while self.waiting.len() >= ROWS_MAX {
+            self.release(out);
         }
     }
 
@@ -98,18 +107,24 @@ impl FixedLag {
 
     fn oldest_has_waited(&self) -> bool {
         let Some(oldest) = self.segments.front() else { return false };
-        let later: f64 =
-            self.waiting.iter().skip(oldest.segment.samples.len()).map(|(_, _, step)| step).sum();
+        let own = oldest.segment.samples.end - self.given;
+        let later: f64 = self.waiting.iter().skip(own).map(|(_, _, step)| step).sum();
         later + 1e-9 >= self.lag_s
     }
 
-    /// Gives out the samples of the oldest segment.
+    /// Gives out the samples of the oldest segment; of one that is still under way its oldest, as it is known at once.
     fn release(&mut self, out: &mut Vec<State>) {
+        let Some(kept) = self.segments.pop_front() else {
+            if let Some((state, ..)) = self.waiting.pop_front() {
+                self.given += 1;
+                out.push(state);
+            }
+            return;
+        };
         let mut adjoint = Adjoint::new();
-        for later in self.segments.iter().skip(1).rev() {
+        for later in self.segments.iter().rev() {
             back(&mut adjoint, later.segment.kind, &later.step, &later.covariance);
         }
-        let Some(kept) = self.segments.pop_front() else { return };
         let Kept { segment, step, covariance } = &kept;
         let error = adjoint.error(covariance);
         let smoothed = segment.nominal.moved(&error).world_from_body;
@@ -127,10 +142,11 @@ impl FixedLag {
             _ => end_turn,
         };
         let settings = &self.forward.runner.settings;
-        let count = segment.samples.len();
-        for place in 0..count {
+        let count = segment.samples.len() as f64;
+        for place in self.given.saturating_sub(segment.samples.start)..segment.samples.len() {
             let Some((state, quick, _)) = self.waiting.pop_front() else { break };
-            let share = (place as f64 + 1.0) / count as f64;
+            self.given += 1;
+            let share = (place as f64 + 1.0) / count;
             let turn = vector::add(vector::scale(start_turn, 1.0 - share), vector::scale(end_turn, share));
             let q = exp_half(vector::scale(turn, 0.5)).product(quick);
             let q = heading_between(state.world_from_body, q).product(q).normalized();
@@ -138,5 +154,90 @@ impl FixedLag {
             out.push(State::new(q, state.rate_rad_s, state.gyro_bias_rad_s, covariance, state.rest));
         }
         self.before = Some(kept);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// What the steps and readings of a stretch are.
+    #[derive(Clone, Copy, Debug)]
+    enum Stretch {
+        Good,
+        /// No step is a positive number.
+        Step(f64),
+        /// Time hardly passes.
+        Slow,
+        /// Nothing that the sensor reads is a number.
+        Unreadable,
+    }
+
+    fn stretch() -> impl Strategy<Value = Stretch> {
+        let step = prop_oneof![Just(f64::NAN), Just(f64::INFINITY), Just(0.0), Just(-0.01)];
+        prop_oneof![
+            Just(Stretch::Good),
+            step.prop_map(Stretch::Step),
+            Just(Stretch::Slow),
+            Just(Stretch::Unreadable),
+        ]
+    }
+
+    /// Sample k of a slow turn about x, 100 a second.
+    fn sample(k: usize, stretch: Stretch) -> Sample {
+        let angle = 0.002 * k as f64;
+        let acc = [0.0, 9.8 * crate::math::sin(angle), 9.8 * crate::math::cos(angle)];
+        let good = Sample { gyro_rad_s: [0.2, 0.0, 0.0], acc_m_s2: acc, dt_s: 0.01 };
+        match stretch {
+            Stretch::Good => good,
+            Stretch::Step(dt_s) => Sample { dt_s, ..good },
+            Stretch::Slow => Sample { dt_s: 1e-12, ..good },
+            Stretch::Unreadable => Sample { gyro_rad_s: [f64::NAN; 3], acc_m_s2: [f64::INFINITY; 3], ..good },
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(12))]
+        /// Whatever the steps say, so many samples wait and no more; each comes out once.
+        #[test]
+        fn so_many_wait_and_no_more(
+            stretches in prop::collection::vec((stretch(), 1..2 * ROWS_MAX), 1..4), lag_s in 0.0..3.0,
+        ) {
+            let mut lag = FixedLag::new(&Settings::default(), lag_s).expect("settings");
+            let (mut out, mut count) = (Vec::new(), 0);
+            for (stretch, length) in stretches {
+                for _ in 0..length {
+                    lag.update(&sample(count, stretch), &mut out);
+                    count += 1;
+                    prop_assert!(lag.waiting.len() < ROWS_MAX && out.len() + lag.waiting.len() == count);
+                    prop_assert!(lag.segments.len() < 32, "{} segments", lag.segments.len());
+                }
+            }
+            lag.finish(&mut out);
+            prop_assert_eq!(out.len(), count);
+            prop_assert!(out.iter().all(|state| state.world_from_body.is_finite() && state.sigma_tilt_rad.is_finite()));
+        }
+    }
+
+    /// Steps that are no numbers hold nothing up for good: what comes after them is smoothed as ever.
+    #[test]
+    fn what_follows_is_smoothed_as_ever() {
+        let mut lag = FixedLag::new(&Settings::default(), 0.5).expect("settings");
+        let mut out = Vec::new();
+        let bad = 300..300 + 2 * ROWS_MAX;
+        for k in 0..bad.end + 1000 {
+            // the sensor turns on only where time passes
+            let at = if k < bad.end { k.min(bad.start) } else { bad.start + k - bad.end };
+            let stretch = if bad.contains(&k) { Stretch::Step(f64::NAN) } else { Stretch::Good };
+            lag.update(&sample(at, stretch), &mut out);
+        }
+        lag.finish(&mut out);
+        assert_eq!(out.len(), bad.end + 1000);
+        for (k, state) in out[bad.end..].iter().enumerate() {
+            let acc = state.world_from_body.rotate(sample(bad.start + k, Stretch::Good).acc_m_s2);
+            let tilt = crate::math::atan2(crate::math::hypot(acc[0], acc[1]), acc[2]).to_degrees();
+            assert!(tilt < 0.5, "{k}: {tilt} degrees");
+        }
     }
 }
