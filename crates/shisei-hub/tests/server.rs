@@ -35,20 +35,13 @@ impl Stage {
         self.serving.access.address
     }
 
-    fn connect(&self) -> TcpStream {
-        let stream = TcpStream::connect(self.address()).expect("the server");
-        stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
-        stream
-    }
-
     fn client(&self) -> WebSocket<TcpStream> {
-        let url = format!("ws://{}/stream", self.address());
-        tungstenite::client(url, self.connect()).expect("a stream").0
+        client(self.address())
     }
 
     /// The code with which a request is answered.
     fn code(&self, head: &str) -> u16 {
-        let mut stream = self.connect();
+        let mut stream = connect(self.address());
         stream.write_all(head.as_bytes()).expect("sent");
         let mut answer = String::new();
         stream.read_to_string(&mut answer).expect("an answer");
@@ -56,15 +49,28 @@ impl Stage {
     }
 }
 
-/// Puts numbered poses on the board 60 times a second until told to stop.
-fn show(stage: &Stage, bytes: usize) -> (Arc<AtomicBool>, Arc<AtomicU64>, std::thread::JoinHandle<()>) {
+fn connect(address: SocketAddr) -> TcpStream {
+    let stream = TcpStream::connect(address).expect("the server");
+    stream.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+    stream
+}
+
+fn client(address: SocketAddr) -> WebSocket<TcpStream> {
+    tungstenite::client(format!("ws://{address}/stream"), connect(address)).expect("a stream").0
+}
+
+/// Puts numbered poses on the boards 60 times a second until told to stop.
+fn show(stages: [&Stage; 2], bytes: usize) -> (Arc<AtomicBool>, Arc<AtomicU64>, std::thread::JoinHandle<()>) {
     let (stop, shown) = (Arc::new(AtomicBool::new(false)), Arc::new(AtomicU64::new(0)));
-    let (board, until, count) = (Arc::clone(&stage.board), Arc::clone(&stop), Arc::clone(&shown));
+    let (until, count) = (Arc::clone(&stop), Arc::clone(&shown));
+    let boards = stages.map(|stage| Arc::clone(&stage.board));
     let thread = std::thread::spawn(move || {
         while !until.load(Ordering::Relaxed) {
             let number = count.fetch_add(1, Ordering::Relaxed) + 1;
             let text = format!(r#"{{"type":"poses","number":{number},"pad":"{}"}}"#, "x".repeat(bytes));
-            board.poses.send_replace(Arc::from(text));
+            for board in &boards {
+                board.poses.send_replace(Arc::from(text.as_str()));
+            }
             std::thread::sleep(Duration::from_millis(16));
         }
     });
@@ -76,19 +82,60 @@ fn number(text: &str) -> Option<u64> {
     rest.split(',').next()?.parse().ok()
 }
 
-/// Reads poses for a time: how many, and the longest wait for one.
-fn watch(client: &mut WebSocket<TcpStream>, for_s: f64) -> (u32, Duration) {
-    let started = Instant::now();
-    let (mut count, mut last, mut longest) = (0, started, Duration::ZERO);
-    while started.elapsed().as_secs_f64() < for_s {
+/// How many poses came, and the longest wait for one.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    count: u32,
+    longest: Duration,
+}
+
+/// Reads poses for as long as it is so.
+fn watch(client: &mut WebSocket<TcpStream>, so: impl Fn() -> bool) -> Seen {
+    let mut last = Instant::now();
+    let mut seen = Seen { count: 0, longest: Duration::ZERO };
+    while so() {
         let message = client.read().expect("a message");
         if message.to_text().is_ok_and(|text| number(text).is_some()) {
-            count += 1;
-            longest = longest.max(last.elapsed());
+            seen.count += 1;
+            seen.longest = seen.longest.max(last.elapsed());
             last = Instant::now();
         }
     }
-    (count, longest)
+    seen
+}
+
+/// The same poses from a server in trouble, and at the same time from one that nobody troubles: what this machine
+/// itself delays, it delays for both.
+struct Two {
+    troubled: WebSocket<TcpStream>,
+    quiet: WebSocket<TcpStream>,
+}
+
+impl Two {
+    fn watch(&mut self, so: impl Fn() -> bool + Sync) -> [Seen; 2] {
+        std::thread::scope(|scope| {
+            let quiet = scope.spawn(|| watch(&mut self.quiet, &so));
+            let troubled = watch(&mut self.troubled, &so);
+            [troubled, quiet.join().expect("no panic")]
+        })
+    }
+
+    fn watch_for(&mut self, seconds: f64) -> [Seen; 2] {
+        let begun = Instant::now();
+        self.watch(|| begun.elapsed().as_secs_f64() < seconds)
+    }
+}
+
+/// No pose is late, whatever this machine makes of it.
+fn assert_prompt([troubled, quiet]: [Seen; 2], late: Duration) {
+    assert!(troubled.longest < quiet.longest + late, "{troubled:?}, elsewhere {quiet:?}");
+}
+
+/// And at least half of them come.
+fn assert_untroubled(seen: [Seen; 2]) {
+    assert_prompt(seen, Duration::from_millis(400));
+    let [troubled, quiet] = seen;
+    assert!(2 * troubled.count > quiet.count, "{troubled:?}, elsewhere {quiet:?}");
 }
 
 #[test]
@@ -138,22 +185,21 @@ fn the_page_and_the_status_are_there_for_those_who_may() {
         assert_eq!(closed.code(&ask(query)), 403, "{query}");
     }
     let url = format!("ws://{}/stream?token=wrong", closed.address());
-    assert!(tungstenite::client(url, closed.connect()).is_err());
+    assert!(tungstenite::client(url, connect(closed.address())).is_err());
     assert!(closed.serving.url().ends_with("/?token=0123456789abcdef"));
 }
 
 #[test]
 fn a_slow_client_gets_the_newest_and_delays_nobody() {
-    let stage = stage(None);
-    let (stop, shown, thread) = show(&stage, 20_000);
+    let (stage, quiet) = (stage(None), stage(None));
+    let (stop, shown, thread) = show([&stage, &quiet], 20_000);
     let mut slow = stage.client();
-    let mut quick = stage.client();
-    watch(&mut quick, 0.3);
+    let mut quick = Two { troubled: stage.client(), quiet: quiet.client() };
+    quick.watch_for(0.3);
     // the slow one reads nothing meanwhile: 3 s of 1.2 MB/s
-    let (count, longest) = watch(&mut quick, 3.0);
-    println!("beside a slow client: {count} poses in 3 s, longest wait {longest:?}");
-    assert!(count > 120, "{count}");
-    assert!(longest < Duration::from_millis(500), "{longest:?}");
+    let seen = quick.watch_for(3.0);
+    println!("beside a slow client: {:?}; elsewhere {:?}", seen[0], seen[1]);
+    assert_untroubled(seen);
     stop.store(true, Ordering::Relaxed);
     thread.join().expect("no panic");
     let newest = shown.load(Ordering::Relaxed);
@@ -170,67 +216,64 @@ fn a_slow_client_gets_the_newest_and_delays_nobody() {
     assert!(read < newest, "{read} of {newest}");
 }
 
-#[test]
-fn ten_thousand_connections_and_garbage_change_nothing_for_others() {
-    let stage = stage(None);
-    let (stop, _, thread) = show(&stage, 500);
-    let mut good = stage.client();
-    watch(&mut good, 0.3);
-    let address = stage.address();
-    let attack = std::thread::spawn(move || {
-        let mut open = std::collections::VecDeque::new();
-        let mut refused = 0;
-        for k in 0..10_000_u32 {
-            match TcpStream::connect(address) {
-                Ok(mut stream) => {
-                    if k % 3 == 0 {
-                        // the other side may have closed it already
-                        let _ = stream.write_all(&[0x16, 3, 1, 0, k as u8]);
-                    }
-                    open.push_back(stream);
-                }
-                Err(_) => refused += 1,
+/// Ten thousand connections that say nothing or nonsense, several at a time.
+fn flood(address: SocketAddr) {
+    let some = || {
+        let (mut open, mut made) = (std::collections::VecDeque::new(), 0_u32);
+        while made < 1250 {
+            // where too many come at once the system makes one wait for a second: another is quicker
+            let Ok(mut stream) = TcpStream::connect_timeout(&address, Duration::from_millis(50)) else {
+                continue;
+            };
+            made += 1;
+            if made % 3 == 0 {
+                // the other side may have closed it already
+                let _ = stream.write_all(&[0x16, 3, 1, 0, made as u8]);
             }
-            if open.len() > 200 {
+            open.push_back(stream);
+            if open.len() > 25 {
                 open.pop_front();
             }
         }
-        refused
-    });
-    let (mut count, mut longest, started) = (0, Duration::ZERO, Instant::now());
-    while !attack.is_finished() {
-        let (more, wait) = watch(&mut good, 0.2);
-        count += more;
-        longest = longest.max(wait);
-    }
-    let refused = attack.join().expect("no panic");
-    let length_s = started.elapsed().as_secs_f64();
-    println!(
-        "10,000 connections in {length_s:.1} s, {refused} refused: {count} poses, longest wait {longest:?}"
-    );
-    assert!(longest < Duration::from_secs(1), "{longest:?}");
+    };
+    std::thread::scope(|scope| (0..8).for_each(|_| drop(scope.spawn(some))));
+}
 
-    // garbage in place of frames: only the one who sends it is sent away
+/// Garbage in place of frames, a message that is too long, too many of them: only the one who sends it is sent away.
+fn misbehave(address: SocketAddr) {
     for garbage in [&[0xff_u8; 64][..], &[0x81, 0xfe, 0xff, 0xff, 0, 0, 0, 0], &[0x01, 0x05, 1, 2, 3, 4, 5]] {
-        let mut bad = stage.client();
+        let mut bad = client(address);
         bad.get_mut().write_all(garbage).expect("sent");
-        let ended = (0..1000).any(|_| match bad.read() {
-            Ok(message) => message.is_close(),
-            Err(_) => true,
-        });
+        let ended = (0..1000).any(|_| bad.read().map_or(true, |message| message.is_close()));
         assert!(ended, "{garbage:?}");
     }
-    let mut large = stage.client();
+    let mut large = client(address);
     // it may be closed while it still sends
     let _ = large.send(Message::text("x".repeat(100_000)));
     assert!((0..1000).any(|_| large.read().map_or(true, |message| message.is_close())));
-    let mut chatty = stage.client();
+    let mut chatty = client(address);
     for _ in 0..200 {
         let _ = chatty.send(Message::text("{}"));
     }
     assert!((0..1000).any(|_| chatty.read().map_or(true, |message| message.is_close())));
-    let (count, longest) = watch(&mut good, 1.0);
-    assert!(count > 30 && longest < Duration::from_millis(500), "{count}, {longest:?}");
+}
+
+#[test]
+fn ten_thousand_connections_and_garbage_change_nothing_for_others() {
+    let (stage, quiet) = (stage(None), stage(None));
+    let (stop, _, thread) = show([&stage, &quiet], 500);
+    let mut good = Two { troubled: stage.client(), quiet: quiet.client() };
+    good.watch_for(0.3);
+    let address = stage.address();
+    for trouble in [flood, misbehave] {
+        let begun = Instant::now();
+        let trouble = std::thread::spawn(move || trouble(address));
+        let seen = good.watch(|| !trouble.is_finished());
+        trouble.join().expect("no panic");
+        println!("{:.1?} of trouble: {:?}; elsewhere {:?}", begun.elapsed(), seen[0], seen[1]);
+        assert_prompt(seen, Duration::from_secs(1));
+    }
+    assert_untroubled(good.watch_for(1.0));
     stop.store(true, Ordering::Relaxed);
     thread.join().expect("no panic");
 }
@@ -240,12 +283,12 @@ fn there_are_so_many_places_and_no_more() {
     let stage = stage(None);
     let clients: Vec<WebSocket<TcpStream>> = (0..32).map(|_| stage.client()).collect();
     let url = format!("ws://{}/stream", stage.address());
-    assert!(tungstenite::client(&url, stage.connect()).is_err());
+    assert!(tungstenite::client(&url, connect(stage.address())).is_err());
     assert_eq!(stage.board.clients(), 32);
     drop(clients);
     let since = Instant::now();
     while stage.board.clients() > 0 && since.elapsed() < PATIENCE {
         std::thread::sleep(Duration::from_millis(10));
     }
-    assert!(tungstenite::client(&url, stage.connect()).is_ok());
+    assert!(tungstenite::client(&url, connect(stage.address())).is_ok());
 }

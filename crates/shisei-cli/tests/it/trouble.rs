@@ -1,13 +1,14 @@
-//! What goes wrong while a receiver is recorded: a full disk, a port that is unplugged and comes back, garbage on it. It
-//! is said, what was recorded is there, and nothing earlier is touched.
+//! What goes wrong while a receiver is recorded: a full disk, a recorder that is killed, a port that is unplugged and
+//! comes back, garbage on it. It is said, what was recorded is there, and nothing earlier is touched.
 
 use std::fs::File;
-use std::io::Write;
+use std::io::{Read, Write};
 use std::os::fd::AsFd;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
+use rustix::io::{ioctl_fionbio, ioctl_fionread};
 use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
 use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
 use serde_json::Value;
@@ -51,7 +52,7 @@ fn a_full_disk_ends_the_recording_and_keeps_what_is_there() {
         assert_eq!(ran.status.code(), Some(2), "{said}");
         assert!(said.contains("full.mcap") && words.iter().all(|word| said.contains(word)), "{said}");
         // what is there is whole and begins as the port did
-        let (kept, _) = raw(&desk.file("full.mcap"));
+        let kept = raw(&desk.file("full.mcap"));
         assert!(kept.len() > 30_000 && bytes.starts_with(&kept), "{} bytes", kept.len());
         assert!(samples_of_node_0(&desk, "full.mcap") > 300);
         assert_eq!(std::fs::read(desk.file("earlier.mcap")).expect("still there"), earlier);
@@ -109,7 +110,7 @@ fn a_port_that_is_unplugged_and_comes_back_is_recorded_on() {
                 let told: Value = serde_json::from_slice(&ran.stdout).expect("JSON");
                 assert_eq!(told["interruptions"], 1);
                 // samples of both receivers, and the file is an ordinary recording
-                let (bytes, _) = raw(&desk.file("take.mcap"));
+                let bytes = raw(&desk.file("take.mcap"));
                 let (mut session, mut items) = (shisei_hub::Session::default(), Vec::new());
                 session.push(&bytes, &mut items);
                 let changed = |item: &shisei_hub::Item| matches!(item, shisei_hub::Item::ReceiverRebooted(_));
@@ -123,7 +124,7 @@ fn a_port_that_is_unplugged_and_comes_back_is_recorded_on() {
 /// A port of our own, which says what a test wants.
 struct Line {
     owner: File,
-    _user: File,
+    user: File,
     name: String,
 }
 
@@ -136,7 +137,7 @@ impl Line {
         let mut modes = tcgetattr(user.as_fd()).expect("its modes");
         modes.make_raw();
         tcsetattr(user.as_fd(), OptionalActions::Now, &modes).expect("its modes");
-        Line { owner: owner.into(), _user: user, name }
+        Line { owner: owner.into(), user, name }
     }
 
     fn say(&mut self, bytes: &[u8]) {
@@ -145,6 +146,74 @@ impl Line {
             std::thread::sleep(Duration::from_millis(2));
         }
     }
+
+    /// How much of what was said nobody has read; nothing can read the line after this.
+    fn unread(mut self) -> usize {
+        // no frame holds so many zeros
+        let mark = [0; 64];
+        self.owner.write_all(&mark).expect("written");
+        let mut rest = Vec::new();
+        while !rest.ends_with(&mark) {
+            let mut more = [0; 4096];
+            let count = self.user.read(&mut more).expect("what was written");
+            rest.extend_from_slice(&more[..count]);
+        }
+        rest.len() - mark.len()
+    }
+}
+
+/// Waits until something is so.
+fn until(what: &str, so: impl Fn() -> bool) {
+    let begun = Instant::now();
+    while !so() {
+        assert!(begun.elapsed() < Duration::from_secs(60), "{what} did not come");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+/// Twenty kills, five at a time, each at another moment.
+#[test]
+fn kill_9_costs_at_most_the_last_second() {
+    let desk = Desk::new();
+    let bytes = bytes_of_a_lab(&desk, "lab.bin");
+    for round in 0..4 {
+        std::thread::scope(|scope| {
+            for k in 0..5 {
+                let (desk, bytes) = (&desk, &bytes);
+                scope.spawn(move || killed(desk, &format!("{round}-{k}.mcap"), bytes));
+            }
+        });
+    }
+}
+
+/// Sends half a minute of bytes as fast as a receiver does, and kills the recorder after some of it.
+fn killed(desk: &Desk, name: &str, bytes: &[u8]) {
+    let (second, take) = (bytes.len() / 30, desk.file(name));
+    let mut line = Line::open();
+    let mut recorder = record(desk, &[&line.name, "-o", name]);
+    // the port is open then
+    until("the recording", || take.exists());
+    ioctl_fionbio(&line.owner, true).expect("a line that does not block");
+    // any moment between 1.5 and 3 s, from the clock's fraction
+    let fraction = std::time::UNIX_EPOCH.elapsed().expect("after 1970").subsec_micros() as usize;
+    let end = second * 3 / 2 * (1_000_000 + fraction) / 1_000_000;
+    let mut sent = 0;
+    while sent < end {
+        // where this machine falls behind the receiver waits, so that no second is longer than one
+        if ioctl_fionread(&line.user).expect("what waits") < second as u64 / 10 {
+            sent += line.owner.write(&bytes[sent..sent + second / 100]).unwrap_or(0);
+        }
+        std::thread::sleep(Duration::from_millis(10));
+    }
+    recorder.kill().expect("killed");
+    recorder.wait().expect("ended");
+    let (recorded, taken) = (raw(&take), sent - line.unread());
+    assert!(bytes.starts_with(&recorded), "{name}: not what was sent");
+    let lost_s = (taken - recorded.len()) as f64 / second as f64;
+    assert!(lost_s <= 1.0, "{name}: {lost_s} s lost");
+    let (mut session, mut items) = (shisei_hub::Session::default(), Vec::new());
+    session.push(&recorded, &mut items);
+    assert!(session.counts().garbage == 0 && session.counts().frames > 30);
 }
 
 /// A port that is no receiver's: said while it happens, and at the end, in both languages.
@@ -173,7 +242,7 @@ fn garbage_alone_is_said() {
                 assert_eq!(ran.status.code(), Some(1), "{said}");
                 assert!(said.contains(meanwhile) && said.contains(end), "{said}");
                 // what came is there all the same, but for what was sent before the port was opened
-                assert!(raw(&desk.file("take.mcap")).0.len() + 20_000 > sent);
+                assert!(raw(&desk.file("take.mcap")).len() + 20_000 > sent);
                 let info = desk.run(&["info", "take.mcap", "--lang", lang]);
                 assert!(info.code == 2 && info.stderr.contains("sensor_msgs/msg/Imu"), "{}", info.stderr);
             });
@@ -188,7 +257,7 @@ fn garbage_among_data_is_counted_and_the_rest_is_there() {
     let good = bytes_of_a_lab(&desk, "lab.bin");
     let mut line = Line::open();
     let recorder = record(&desk, &[&line.name, "-o", "take.mcap", "--for", "5", "--json"]);
-    std::thread::sleep(Duration::from_millis(700));
+    until("the recording", || desk.file("take.mcap").exists());
     let garbage: Vec<u8> = (0..3_000_u32).map(|k| (k * 37 % 251) as u8 + 1).collect();
     line.say(&garbage);
     line.say(&[0]);
@@ -203,6 +272,6 @@ fn garbage_among_data_is_counted_and_the_rest_is_there() {
     let samples = told["samples"].as_u64().expect("a count");
     assert!(samples > 6_500, "{told}");
     assert!(samples_of_node_0(&desk, "take.mcap") > 3_200);
-    assert_eq!(raw(&desk.file("take.mcap")).0.len(), 2 * garbage.len() + 1 + good.len());
+    assert_eq!(raw(&desk.file("take.mcap")).len(), 2 * garbage.len() + 1 + good.len());
     assert!(Path::new(&line.name).exists());
 }
