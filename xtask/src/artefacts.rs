@@ -14,7 +14,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 /// The host's shared library, release build.
 pub fn shared_library(project: &Project) -> Result<PathBuf, String> {
-    must(project.cargo().args(["build", "--quiet", "--release", "--package", "shisei-capi"]))?;
+    must(project.cargo().args(["build", "--quiet", "--package", "shisei-capi"]).args(project.release()))?;
     let name = format!("{}shisei{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     Ok(project.target().join("release").join(name))
 }
@@ -35,7 +35,8 @@ pub fn python_wheel(project: &Project) -> Result<PathBuf, String> {
     let folder = project.target().join("wheels");
     let _ = std::fs::remove_dir_all(&folder); // an older version's wheel must not be taken for the new one
     let mut maturin = project.command(project.venv_python());
-    must(maturin.args(["-m", "maturin", "build", "--release", "--quiet", "--out"]).arg(&folder))?;
+    maturin.args(["-m", "maturin", "build", "--quiet"]).args(project.release());
+    must(maturin.arg("--out").arg(&folder))?;
     let files = std::fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let mut wheels = files.flatten().map(|entry| entry.path());
     wheels

@@ -63,7 +63,8 @@ impl Target {
         }
     }
 
-    /// `cargo build --release --target …`, for the caller to add what to build.
+    /// `cargo build --release --target …`, for the caller to add what to build. Firmware is always built whole, for
+    /// its size and its instructions are held to limits.
     pub fn cargo_build(&self, project: &Project) -> Command {
         self.cargo(project, "build")
     }
@@ -72,8 +73,9 @@ impl Target {
     pub fn cargo(&self, project: &Project, word: &str) -> Command {
         let own = self.in_active_toolchain(project);
         let mut cargo = if own { project.cargo() } else { project.command("/usr/bin/cargo") };
-        cargo.args([word, "--quiet", "--release", "--target", self.triple, "--target-dir"]);
-        cargo.arg(folder(project));
+        let release = if self.triple == CORTEX_M4F.triple { &["--release"] } else { project.release() };
+        cargo.args([word, "--quiet", "--target", self.triple, "--target-dir"]);
+        cargo.arg(folder(project)).args(release);
         if !own {
             let name = self.triple.to_uppercase().replace('-', "_");
             // Ours would send Debian's cargo to rustup's compiler.

@@ -21,12 +21,8 @@ const COVERAGE: &str = "--cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module \
     -Cllvm-args=-sanitizer-coverage-pc-table -Cllvm-args=-sanitizer-coverage-trace-compares";
 
 /// libFuzzer is C++.
-pub fn needs(project: &Project) -> Vec<Apt> {
-    if is_there(project) { vec![Apt::program("g++", "c++")] } else { Vec::new() }
-}
-
-pub fn is_there(project: &Project) -> bool {
-    project.root.join(MANIFEST).is_file()
+pub fn needs() -> Vec<Apt> {
+    vec![Apt::program("g++", "c++")]
 }
 
 /// `cargo xtask soak [MINUTES] [TARGET …]`: every target, or those named, for ten minutes or as many as given.
@@ -35,7 +31,7 @@ pub fn soak(project: &Project, words: &[&str]) -> Result<(), String> {
         Some((first, rest)) if first.parse::<u64>().is_ok() => (first.parse().unwrap_or(10), rest),
         _ => (10, words),
     };
-    Needs { apt: needs(project), ..Needs::default() }.ensure(project, "core", false)?;
+    Needs { apt: needs(), ..Needs::default() }.ensure(project, "fuzz", false)?;
     let fuzzer = Fuzzer::build(project)?;
     if let Some(unknown) = names.iter().find(|name| !fuzzer.targets.iter().any(|target| target == *name)) {
         return Err(format!("there is no target `{unknown}`; there are: {}", fuzzer.targets.join(", ")));
@@ -69,9 +65,6 @@ pub struct Fuzzer<'a> {
 
 impl<'a> Fuzzer<'a> {
     pub fn build(project: &'a Project) -> Result<Self, String> {
-        if !is_there(project) {
-            return Err(format!("{MANIFEST} is not there"));
-        }
         let host = host()?;
         let folder = project.target().join("fuzz");
         let flags = format!("CARGO_TARGET_{}_RUSTFLAGS", host.to_uppercase().replace('-', "_"));

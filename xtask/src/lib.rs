@@ -11,6 +11,7 @@ pub mod fuzz;
 pub mod installer;
 pub mod logic;
 pub mod needs;
+pub mod programs;
 pub mod project;
 pub mod run;
 pub mod soak;

@@ -54,8 +54,13 @@ fn host(project: &Project) -> Result<String, String> {
     output_of(&mut virtual_bluetooth::program(project, "logic")?)
 }
 
+/// Builds what [`compare`] runs on the board.
+pub fn build(project: &Project) -> Result<(), String> {
+    must(CORTEX_M4F.cargo_build(project).arg("--locked").current_dir(project.root.join("firmware/logic")))
+}
+
 fn emulated(project: &Project) -> Result<String, String> {
-    must(CORTEX_M4F.cargo_build(project).arg("--locked").current_dir(project.root.join("firmware/logic")))?;
+    build(project)?;
     let mut qemu = project.command("qemu-system-arm");
     qemu.args(["-icount", "shift=0"]).args(QEMU).arg(CORTEX_M4F.products(project).join("logic-firmware"));
     output_within(&mut qemu, Duration::from_secs(300))

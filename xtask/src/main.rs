@@ -24,7 +24,7 @@ cargo xtask soak [MINUTES] [TARGET …]    fuzzes every importer for longer (10 
 fn main() -> ExitCode {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let words: Vec<&str> = args.iter().map(String::as_str).collect();
-    let project = Project::here();
+    let project = Project { quick: words.first() == Some(&"test"), ..Project::here() };
     match words.split_first() {
         Some((&"test", rest)) => suite::command(&project, rest),
         Some((&"bench", ["accuracy", rest @ ..])) => finish(bench::accuracy::command(&project, rest)),

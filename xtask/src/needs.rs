@@ -7,7 +7,7 @@ use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use crate::project::{Project, on_path};
-use crate::run::{must, output_of, show};
+use crate::run::{output_of, quietly};
 
 /// Everything a suite needs that a Rust toolchain does not bring.
 #[derive(Debug, Default)]
@@ -147,12 +147,11 @@ impl Needs {
             command
         };
         if !UPDATED.swap(true, Ordering::Relaxed) {
-            must(apt_get().args(["update", "-qq"]))?;
+            quietly(apt_get().args(["update", "-qq"]))?;
         }
         let mut command = apt_get();
         command.args(["install", "-y", "-qq", "--no-install-recommends"]).args(&packages);
-        println!("{}", show(&command));
-        must(&mut command)
+        quietly(&mut command)
     }
 
     fn install_pip(&self, project: &Project) -> Result<(), String> {
@@ -163,16 +162,15 @@ impl Needs {
         let works = project.command(&python).args(["-m", "pip", "--version"]).output();
         if !works.is_ok_and(|output| output.status.success()) {
             let venv = project.target().join("venv");
-            must(project.command("python3").args(["-m", "venv", "--clear"]).arg(venv)).map_err(|reason| {
-                format!("{reason}; Python 3 with its venv module is needed (Debian: python3-venv)")
-            })?;
+            quietly(project.command("python3").args(["-m", "venv", "--clear"]).arg(venv)).map_err(
+                |reason| format!("{reason}; Python 3 with its venv module is needed (Debian: python3-venv)"),
+            )?;
         }
         let pins = pins(project)?;
         let mut command = project.command(python);
         command.args(["-m", "pip", "install", "--quiet", "--disable-pip-version-check"]);
         command.args(self.pip.iter().filter_map(|name| Some(format!("{name}=={}", pins.get(*name)?))));
-        println!("{}", show(&command));
-        must(&mut command)
+        quietly(&mut command)
     }
 
     fn install_npm(&self, project: &Project) -> Result<(), String> {
@@ -182,8 +180,7 @@ impl Needs {
         let mut command = project.command("npm");
         command.args(["install", "--no-audit", "--no-fund", "--no-save", "--prefix"]);
         command.arg(project.target().join("npm")).args(&self.npm);
-        println!("{}", show(&command));
-        must(&mut command)
+        quietly(&mut command)
     }
 }
 

@@ -10,13 +10,16 @@ pub struct Project {
     pub root: PathBuf,
     /// True on continuous integration, where nothing may be skipped for want of a package.
     pub ci: bool,
+    /// True for tests: what users get is built without the last optimisation across crates, which makes it a little
+    /// faster and no different, and takes longest.
+    pub quick: bool,
 }
 
 impl Project {
     pub fn here() -> Self {
         let mut root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
         root.pop();
-        Project { root, ci: std::env::var_os("CI").is_some_and(|value| value == "true") }
+        Project { root, ci: std::env::var_os("CI").is_some_and(|value| value == "true"), quick: false }
     }
 
     /// Build products and everything fetched.
@@ -47,6 +50,11 @@ impl Project {
     /// The cargo that started us.
     pub fn cargo(&self) -> Command {
         self.command(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+    }
+
+    /// What cargo and maturin are given besides when they build the workspace for users.
+    pub fn release(&self) -> &'static [&'static str] {
+        if self.quick { &["--release", "--config", "profile.release.lto=\"off\""] } else { &["--release"] }
     }
 
     /// Manifests of the workspaces beside the main one: firmware/*, fuzz.

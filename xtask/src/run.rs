@@ -163,6 +163,19 @@ pub fn must(command: &mut Command) -> Result<(), String> {
     }
 }
 
+/// As [`must`], but its output is shown only if it fails.
+pub fn quietly(command: &mut Command) -> Result<(), String> {
+    let output = command
+        .stdin(Stdio::null())
+        .output()
+        .map_err(|error| format!("{} did not start: {error}", show(command)))?;
+    if output.status.success() {
+        return Ok(());
+    }
+    let [stdout, stderr] = [&output.stdout, &output.stderr].map(|text| String::from_utf8_lossy(text));
+    Err(format!("{} ended with {}\n{stdout}{stderr}", show(command), output.status))
+}
+
 /// Runs a command, hands over each line of standard output as it comes; true when it ended with 0.
 fn stream(command: &mut Command, mut line: impl FnMut(&str)) -> Result<bool, String> {
     let mut child = command

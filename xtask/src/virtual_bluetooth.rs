@@ -17,9 +17,14 @@ fn cargo(project: &Project, word: &str) -> Command {
     cargo
 }
 
+/// Builds tests and programs together, for cargo would choose other features of what they depend on for one alone.
+pub fn build(project: &Project) -> Result<(), String> {
+    must(cargo(project, "test").args(["--quiet", "--no-run"]))
+}
+
 /// A program of `firmware/virtual`, to be given its arguments.
 pub fn program(project: &Project, name: &str) -> Result<Command, String> {
-    must(cargo(project, "build").args(["--quiet", "--bin", name]))?;
+    build(project)?;
     Ok(project.command(project.target().join("virtual/debug").join(name)))
 }
 

@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use crate::artefacts::OFFICE_PYTHON;
+use crate::programs;
 use crate::project::Project;
 use crate::run::must;
 
@@ -11,18 +12,7 @@ const NAMES: [&str; 3] = ["shisei-pelvis", "shisei-six-face", "shisei-tour"];
 /// For Excel.
 pub fn build(project: &Project) -> Result<Vec<PathBuf>, String> {
     let folder = project.target().join("samples");
-    let mut example = project.cargo();
-    example.args([
-        "run",
-        "--quiet",
-        "--release",
-        "--package",
-        "shisei-functions",
-        "--example",
-        "workbooks",
-        "--",
-    ]);
-    must(example.arg(&folder))?;
+    must(programs::example(project, "workbooks")?.arg(&folder))?;
     Ok(NAMES.iter().map(|name| folder.join(format!("{name}.xlsx"))).collect())
 }
 

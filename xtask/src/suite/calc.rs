@@ -1,7 +1,7 @@
 //! The Calc extension in a real LibreOffice, headless.
 
 use super::Suite;
-use crate::artefacts::{OFFICE_PYTHON, calc_extension};
+use crate::artefacts::{OFFICE_PYTHON, calc_extension, shared_library};
 use crate::needs::{Apt, Needs};
 use crate::run::Run;
 use crate::tally::Tally;
@@ -18,6 +18,7 @@ pub const SUITE: Suite = Suite {
         ..Needs::default()
     },
     wants: |_| Needs::default(),
+    builds: |project| shared_library(project).map(drop),
     run,
 };
 

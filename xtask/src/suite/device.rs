@@ -30,8 +30,16 @@ pub const SUITE: Suite = Suite {
         ],
         ..Needs::default()
     },
+    builds: build,
     run,
 };
+
+fn build(project: &Project) -> Result<(), String> {
+    build_digest(project)?;
+    logic::build(project)?;
+    virtual_bluetooth::build(project)?;
+    firmware::BOARDS.iter().try_for_each(|board| firmware::build(project, board).map(drop))
+}
 
 fn run(run: &mut Run<'_>) {
     heading("digest on Cortex-M4F");
@@ -88,9 +96,13 @@ fn spresense(run: &mut Run<'_>) {
     }
 }
 
-fn emulate(project: &Project) -> Result<String, String> {
+fn build_digest(project: &Project) -> Result<(), String> {
     // In its folder, for the linker's options in its .cargo/config.toml.
-    must(CORTEX_M4F.cargo_build(project).current_dir(project.root.join("firmware/digest")))?;
+    must(CORTEX_M4F.cargo_build(project).current_dir(project.root.join("firmware/digest")))
+}
+
+fn emulate(project: &Project) -> Result<String, String> {
+    build_digest(project)?;
     let mut qemu = project.command("qemu-system-arm");
     qemu.args(logic::QEMU).arg(CORTEX_M4F.products(project).join("digest-firmware"));
     output_within(&mut qemu, Duration::from_secs(300))

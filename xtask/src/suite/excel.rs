@@ -24,6 +24,11 @@ pub const SUITE: Suite = Suite {
         needs
     },
     wants: |_| Needs::default(),
+    builds: |project| {
+        windows_files(project)?;
+        build_host(project)?;
+        build_digest(project)
+    },
     run,
 };
 
@@ -80,8 +85,12 @@ fn windows_path(path: &Path) -> String {
     format!("Z:{}", path.display().to_string().replace('/', "\\"))
 }
 
+fn build_digest(project: &Project) -> Result<(), String> {
+    must(WINDOWS.cargo_build(project).args(["--package", "shisei-digest", "--example", "digest"]))
+}
+
 fn digest(project: &Project, wine: &Wine) -> Result<String, String> {
-    must(WINDOWS.cargo_build(project).args(["--package", "shisei-digest", "--example", "digest"]))?;
+    build_digest(project)?;
     let mut program = wine.command(project);
     program.arg(WINDOWS.products(project).join("examples/digest.exe"));
     output_within(&mut program, Duration::from_secs(300))

@@ -4,6 +4,7 @@ mod calc;
 mod core;
 mod device;
 pub mod excel;
+mod fuzz;
 mod live;
 mod optical;
 mod python;
@@ -11,6 +12,7 @@ mod viewer;
 mod wasm;
 
 use std::process::ExitCode;
+use std::sync::mpsc;
 use std::time::Instant;
 
 use crate::needs::Needs;
@@ -28,6 +30,8 @@ pub struct Suite {
     pub needs: fn(&Project) -> Needs,
     /// Without these some of its tests say that they skip themselves.
     pub wants: fn(&Project) -> Needs,
+    /// What it has compiled beside the workspace; what is missing of it when it runs it compiles then.
+    pub builds: fn(&Project) -> Result<(), String>,
     pub run: fn(&mut Run<'_>),
 }
 
@@ -42,6 +46,7 @@ const ALL: &[Suite] = &[
     device::SUITE,
     wasm::SUITE,
     viewer::SUITE,
+    fuzz::SUITE,
 ];
 
 /// `cargo xtask test …`.
@@ -67,13 +72,26 @@ pub fn command(project: &Project, words: &[&str]) -> ExitCode {
             }
         }
     }
+    let chosen: Vec<&Suite> =
+        ALL.iter().filter(|suite| names.is_empty() || names.contains(&suite.name)).collect();
     let mut total = Tally::default();
     let mut notes = Vec::new();
-    for suite in ALL.iter().filter(|suite| names.is_empty() || names.contains(&suite.name)) {
-        let (tally, remarks) = run(suite, project, install);
-        total.add(tally);
-        notes.extend(remarks.into_iter().map(|note| format!("{:8} {note}", suite.name)));
-    }
+    let (sender, ready) = mpsc::channel();
+    std::thread::scope(|scope| {
+        // what the later suites need is fetched and compiled while the earlier ones run
+        scope.spawn(|| {
+            for suite in &chosen {
+                // nobody listens any more only if this program panics
+                let _ = sender.send(make_ready(suite, project, install));
+            }
+            drop(sender);
+        });
+        for suite in &chosen {
+            let (tally, remarks) = run(suite, project, &ready);
+            total.add(tally);
+            notes.extend(remarks.into_iter().map(|note| format!("{:8} {note}", suite.name)));
+        }
+    });
     println!();
     for note in notes {
         println!("{note}");
@@ -82,14 +100,33 @@ pub fn command(project: &Project, words: &[&str]) -> ExitCode {
     if total.failed == 0 && total.passed > 0 { ExitCode::SUCCESS } else { ExitCode::FAILURE }
 }
 
-fn run(suite: &Suite, project: &Project, install: bool) -> (Tally, Vec<String>) {
+/// What became of what a suite wants and of what it needs.
+struct Ready {
+    wants: Result<(), String>,
+    needs: Result<(), String>,
+}
+
+fn make_ready(suite: &Suite, project: &Project, install: bool) -> Ready {
+    // what is only wanted may be absent where nothing is installed
+    let wants = if install { (suite.wants)(project).ensure(project, suite.name, true) } else { Ok(()) };
+    let needs = (suite.needs)(project).ensure(project, suite.name, install);
+    if needs.is_ok() {
+        // what does not compile says so again when the suite runs, and fails there
+        let _ = (suite.builds)(project);
+    }
+    Ready { wants, needs }
+}
+
+fn run(suite: &Suite, project: &Project, ready: &mpsc::Receiver<Ready>) -> (Tally, Vec<String>) {
     println!("\n=== {}: {}", suite.name, suite.about);
     let started = Instant::now();
     let mut run = Run::new(project);
-    if install && let Err(reason) = (suite.wants)(project).ensure(project, suite.name, true) {
+    let panicked = || Err("installing itself panicked".to_owned());
+    let ready = ready.recv().unwrap_or_else(|_| Ready { wants: panicked(), needs: panicked() });
+    if let Err(reason) = ready.wants {
         run.fail("installing", &reason);
     }
-    match (suite.needs)(project).ensure(project, suite.name, install) {
+    match ready.needs {
         Ok(()) => {
             (suite.run)(&mut run);
             if run.tally.ran() == 0 {

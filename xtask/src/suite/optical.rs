@@ -2,6 +2,7 @@
 
 use super::Suite;
 use crate::needs::{Apt, Needs};
+use crate::programs;
 use crate::project::Project;
 use crate::run::{Run, must};
 
@@ -15,6 +16,7 @@ pub const SUITE: Suite = Suite {
         ..Needs::default()
     },
     wants: |_| Needs { pip: vec!["opensim"], ..Needs::default() },
+    builds: |_| Ok(()),
     run,
 };
 
@@ -39,9 +41,6 @@ fn run(run: &mut Run<'_>) {
 
 fn write(project: &Project, folder: &std::path::Path) -> Result<(), String> {
     std::fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
-    for (package, example) in [("shisei-record", "tracks"), ("shisei-hub", "fused")] {
-        let mut cargo = project.cargo();
-        must(cargo.args(["run", "--quiet", "-p", package, "--example", example]).arg(folder))?;
-    }
-    Ok(())
+    must(programs::example(project, "tracks")?.arg(folder))?;
+    must(programs::example(project, "fused")?.arg(folder))
 }

@@ -1,4 +1,4 @@
-//! The Python package: built as users get it, then its tests and its types.
+//! The Python package: built as users get it, but for the last optimisation; then its tests and its types.
 
 use super::Suite;
 use crate::artefacts::python_wheel;
@@ -14,6 +14,7 @@ pub const SUITE: Suite = Suite {
         ..Needs::default()
     },
     wants: |_| Needs::default(),
+    builds: |project| python_wheel(project).map(drop),
     run,
 };
 

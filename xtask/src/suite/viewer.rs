@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 
 use super::Suite;
 use crate::needs::{Apt, Needs};
+use crate::programs;
 use crate::project::Project;
 use crate::run::{Run, heading, must};
 use crate::tally;
@@ -24,6 +25,7 @@ pub const SUITE: Suite = Suite {
         ..Needs::default()
     },
     wants: |_| Needs::default(),
+    builds: |_| Ok(()),
     run,
 };
 
@@ -59,7 +61,7 @@ fn viewer(run: &mut Run<'_>) {
     let shots = project.target().join("viewer-pages");
     let mut pages = node(project, VIEWER, "test/browser.mjs");
     run.tests("the viewer in Chromium, a stand-in for the hub", pages.arg(&shots), tally::closing_line);
-    match shisei(project) {
+    match programs::shisei(project) {
         Ok(program) => {
             let mut live = node(project, VIEWER, "test/live.mjs");
             live.args([program, shots]);
@@ -88,7 +90,7 @@ fn unity(run: &mut Run<'_>) {
         command
     };
     run.tests("the Unity package", &mut mono(), tally::closing_line);
-    match shisei(project).and_then(|shisei| Hub::start(project, &shisei)) {
+    match programs::shisei(project).and_then(|shisei| Hub::start(project, &shisei)) {
         Ok(hub) => {
             run.tests("the Unity package with shisei live --demo", mono().arg(&hub.url), tally::closing_line);
         }
@@ -97,9 +99,7 @@ fn unity(run: &mut Run<'_>) {
 }
 
 fn report_pages(project: &Project) -> Result<(), String> {
-    let mut demo = project.cargo();
-    demo.args(["run", "--quiet", "--package", "shisei-report", "--example", "demo", "--"]);
-    must(demo.arg(pages(project)))?;
+    must(programs::example(project, "demo")?.arg(pages(project)))?;
     must(&mut npm_ci(project, REPORT))
 }
 
@@ -123,12 +123,6 @@ fn in_folder(project: &Project, program: &str, folder: &str) -> Command {
     let mut command = project.command(program);
     command.current_dir(project.root.join(folder));
     command
-}
-
-/// The command as cargo builds it for tests.
-fn shisei(project: &Project) -> Result<PathBuf, String> {
-    must(project.cargo().args(["build", "--quiet", "--package", "shisei-cli"]))?;
-    Ok(project.target().join("debug/shisei"))
 }
 
 fn unity_sources(project: &Project) -> Result<Vec<PathBuf>, String> {

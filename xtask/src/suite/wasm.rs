@@ -18,6 +18,7 @@ pub const SUITE: Suite = Suite {
         needs
     },
     wants: |_| Needs::default(),
+    builds: build,
     run,
 };
 
@@ -26,8 +27,12 @@ fn run(run: &mut Run<'_>) {
     digests::compare(run, WASM32.triple, under_node(run.project));
 }
 
+fn build(project: &Project) -> Result<(), String> {
+    must(WASM32.cargo_build(project).args(["--package", "shisei-digest", "--example", "digest_wasm"]))
+}
+
 fn under_node(project: &Project) -> Result<String, String> {
-    must(WASM32.cargo_build(project).args(["--package", "shisei-digest", "--example", "digest_wasm"]))?;
+    build(project)?;
     let mut node = project.command("node");
     node.arg("xtask/js/digest.mjs").arg(WASM32.products(project).join("examples/digest_wasm.wasm"));
     output_within(&mut node, Duration::from_secs(120))
