@@ -11,7 +11,7 @@ use tungstenite::{Message, WebSocket};
 
 use crate::run::Desk;
 
-const PATIENCE: Duration = Duration::from_secs(40);
+const PATIENCE: Duration = Duration::from_secs(120);
 
 struct Live {
     child: Child,

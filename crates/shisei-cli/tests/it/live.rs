@@ -3,7 +3,9 @@
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+use serde_json::Value;
 
 use crate::run::Desk;
 
@@ -21,6 +23,20 @@ impl Lab {
         let mut line = String::new();
         BufReader::new(child.stdout.take().expect("piped")).read_line(&mut line).expect("the port's name");
         Lab { child, port: line.trim().to_owned() }
+    }
+
+    /// Until so many nodes are connected.
+    fn wait_for(&self, desk: &Desk, nodes: usize) {
+        let connected = || {
+            let ran = desk.run(&["devices", &self.port, "--json"]);
+            let told: Option<Value> = serde_json::from_str(&ran.stdout).ok();
+            let all = told.as_ref().and_then(|told| told["receivers"][0]["nodes"].as_array());
+            all.map_or(0, |all| all.iter().filter(|node| node["connected"] == true).count())
+        };
+        let begun = Instant::now();
+        while connected() < nodes {
+            assert!(begun.elapsed() < Duration::from_secs(60), "not all nodes are connected");
+        }
     }
 }
 
@@ -46,7 +62,7 @@ fn an_unplugged_port_is_said_and_what_was_recorded_is_there() {
     let ran = desk.run(&["record", &lab.port, "-o", "take.mcap", "--wait", "0.1", "--json"]);
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert!(ran.stderr.contains("the port is gone"), "{}", ran.stderr);
-    let told: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
+    let told: Value = serde_json::from_str(&ran.stdout).expect("JSON");
     assert!(told["samples"].as_u64().is_some_and(|samples| samples > 300), "{told}");
     assert!(raw(&desk.file("take.mcap")).len() > 10_000);
     // A recording is never overwritten unasked.
@@ -58,8 +74,8 @@ fn an_unplugged_port_is_said_and_what_was_recorded_is_there() {
 #[test]
 fn nodes_are_listed_and_named() {
     let desk = Desk::new();
-    let lab = Lab::start(&["--for", "60"]);
-    std::thread::sleep(Duration::from_millis(1500));
+    let lab = Lab::start(&["--for", "120"]);
+    lab.wait_for(&desk, 2);
     let named = desk.run(&["devices", &lab.port, "--rename", "0=left", "--identify", "all"]);
     assert_eq!(named.code, 0, "{}", named.stderr);
     assert!(named.stdout.contains("left") && named.stdout.contains("node 1"), "{}", named.stdout);
@@ -97,14 +113,14 @@ fn a_node_is_given_its_calibration() {
     fine(&["record", "poses.bin", "-o", "poses.mcap"]);
     fine(&["calibrate", "poses.mcap", "--method", "gyro-turns", "-o", "cal.json", "--no-report"]);
 
-    let lab = Lab::start(&[&part[..], &["--for", "60"]].concat());
-    std::thread::sleep(Duration::from_millis(1500));
+    let lab = Lab::start(&[&part[..], &["--for", "120"]].concat());
+    lab.wait_for(&desk, 1);
     let told = fine(&["devices", &lab.port, "--store-calibration", "0=cal.json", "--json"]).stdout;
-    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
+    let told: Value = serde_json::from_str(&told).expect("JSON");
     let kept = &told["receivers"][0]["nodes"][0]["calibration"];
-    let file: serde_json::Value = serde_json::from_str(&desk.text("cal.json")).expect("JSON");
+    let file: Value = serde_json::from_str(&desk.text("cal.json")).expect("JSON");
     for (sensor, bias) in [("accelerometer", "bias_m_s2"), ("gyroscope", "bias_rad_s")] {
-        let numbers = |value: &serde_json::Value| -> Vec<f64> {
+        let numbers = |value: &Value| -> Vec<f64> {
             let rows = value[sensor]["matrix"].as_array().expect("a matrix").iter();
             let all = rows.chain([&value[sensor][bias]]).flat_map(|row| row.as_array().expect("a row"));
             all.map(|number| number.as_f64().expect("a number")).collect()

@@ -293,6 +293,8 @@ fn earth_over_a_serial_port() {
     let (mut to_board, mut from_board) = (board.stdin.take().unwrap(), board.stdout.take().unwrap());
     let over = AtomicBool::new(false);
     let mut back = serialport::SerialPort::try_clone(&master).expect("two ends");
+    // the command may be kept from reading for longer than the usual tenth of a second
+    serialport::SerialPort::set_timeout(&mut *back, std::time::Duration::from_secs(30)).expect("patience");
     let mut forth = master;
     let ran = std::thread::scope(|scope| {
         scope.spawn(|| {
