@@ -1,5 +1,7 @@
 //! Formatting, lints, documentation and every test that needs Rust only.
 
+use std::num::NonZero;
+
 use super::Suite;
 use crate::bench::accuracy;
 use crate::needs::Needs;
@@ -34,5 +36,8 @@ fn run(run: &mut Run<'_>) {
     let mut doc = project.cargo();
     doc.args(["doc", "--quiet", "--workspace", "--no-deps"]);
     run.step("cargo doc", doc.env("RUSTDOCFLAGS", "-D warnings"));
-    run.cargo_test("cargo test", &mut programs::cargo(project, "test"));
+    let mut test = programs::cargo(project, "test");
+    // the longest tests wait for devices and clients, not for the processor
+    let threads = 2 * std::thread::available_parallelism().map_or(2, NonZero::get);
+    run.cargo_test("cargo test", test.env("RUST_TEST_THREADS", threads.to_string()));
 }
