@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-use shisei_device::node::{Board, Node, QUEUE, Reading, step};
+use shisei_device::node::{Board, Name, Node, QUEUE, RECORD_BYTES, Reading, Record, step};
 use shisei_wire::calibration::{Calibration, Correction};
 use shisei_wire::message::Settings;
 use shisei_wire::packet::{FilterKind, Start};
@@ -17,8 +17,7 @@ struct Desk {
     packets: Vec<Vec<u8>>,
     room: bool,
     light: bool,
-    name: String,
-    stored: Vec<Option<Calibration>>,
+    stored: Vec<Record>,
     ranges: Option<(GyroRange, AccRange)>,
 }
 
@@ -55,11 +54,15 @@ impl Board for Desk {
     fn light(&mut self, on: bool) {
         self.light = on;
     }
-    fn store_name(&mut self, name: &str) {
-        name.clone_into(&mut self.name);
+    fn store(&mut self, record: &Record) {
+        self.stored.push(*record);
     }
-    fn store_calibration(&mut self, calibration: Option<&Calibration>) {
-        self.stored.push(calibration.copied());
+}
+
+impl Desk {
+    /// The calibration that is stored.
+    fn kept(&self) -> Option<Calibration> {
+        self.stored.last().and_then(|record| record.calibration)
     }
 }
 
@@ -158,7 +161,7 @@ fn commands_over_the_air() {
     desk.commands.push_back(vec![99, 1, 2]);
     desk.commands.push_back(vec![]);
     run(&mut node, &mut desk, 4, level());
-    assert_eq!((node.name(), desk.name.as_str()), ("右足", "右足"));
+    assert_eq!(node.name(), "右足");
     assert_eq!(desk.ranges, Some((GyroRange::Dps500, AccRange::G2)));
     let expected = Settings {
         filter: FilterKind::Estimator,
@@ -168,6 +171,10 @@ fn commands_over_the_air() {
     };
     assert_eq!(node.settings(), expected);
     assert_eq!(node.start(), Start::Running);
+    // name and settings are stored as they come
+    let stored: Vec<_> = desk.stored.iter().map(|record| (record.name, record.settings)).collect();
+    let name = Some(Name::cut("右足"));
+    assert_eq!(stored, [(name, Some(Settings { batch: 4, ..Settings::default() })), (name, Some(expected))]);
     let lights: Vec<bool> = (0..8)
         .map(|_| {
             run(&mut node, &mut desk, 125, level());
@@ -214,7 +221,7 @@ fn a_kept_calibration_corrects_the_attitude_and_not_what_is_sent() {
         let sent = wrong_sensor();
         desk.commands.push_back([&[134], sent.encode().unwrap().as_slice()].concat());
         run(&mut node, &mut desk, 5000, at_rest);
-        assert_eq!((node.calibration(), desk.stored.last()), (Some(&sent), Some(&Some(sent))));
+        assert_eq!((node.calibration(), desk.kept()), (Some(&sent), Some(sent)));
         assert_eq!(node.start(), Start::Done);
         let (world_from_body, calibrated, gyro, acc) = newest(&desk);
         assert!(calibrated && (world_from_body[0] - 1.0).abs() < 1e-5, "{world_from_body:?}");
@@ -228,11 +235,11 @@ fn a_kept_calibration_corrects_the_attitude_and_not_what_is_sent() {
 
         // Kept at the next start by the board; then forgotten.
         let mut again = Node::new(2, "a");
-        again.keep(desk.stored.last().copied().flatten());
+        again.restore(desk.stored.last().expect("a record"));
         assert_eq!(again.calibration(), Some(&sent));
         desk.commands.push_back(vec![134]);
         run(&mut node, &mut desk, 5000, at_rest);
-        assert_eq!((node.calibration(), desk.stored.last()), (None, Some(&None)));
+        assert_eq!((node.calibration(), desk.kept()), (None, None));
         assert!(!newest(&desk).1);
     }
 }
@@ -249,4 +256,36 @@ fn a_nonsense_calibration_is_refused() {
     desk.commands.push_back([&[134], [0; 99].as_slice()].concat());
     run(&mut node, &mut desk, 10, level());
     assert!(node.calibration().is_none() && desk.stored.is_empty());
+}
+
+#[test]
+fn a_node_that_starts_anew_is_as_it_was_left() {
+    let (mut node, mut desk) = (Node::new(1, "a"), Desk { room: true, ..Desk::default() });
+    desk.link = Some(true);
+    desk.commands.push_back([&[132], "左手".as_bytes()].concat());
+    desk.commands.push_back([&[134], wrong_sensor().encode().unwrap().as_slice()].concat());
+    desk.commands.push_back(vec![133, 1, 8, 2, 0]);
+    run(&mut node, &mut desk, 10, level());
+    let writes = desk.stored.len();
+    // what is so already costs no write
+    desk.commands.push_back(vec![133, 1, 8, 2, 0]);
+    run(&mut node, &mut desk, 10, level());
+    assert_eq!((writes, desk.stored.len()), (3, 3));
+
+    let memory = desk.stored.last().expect("a record").encode();
+    let (mut again, mut desk) = (Node::new(2, "b"), Desk { room: true, ..Desk::default() });
+    again.restore(&Record::decode(&memory));
+    assert_eq!((again.name(), again.settings()), ("左手", node.settings()));
+    assert_eq!(again.calibration(), node.calibration());
+    desk.link = Some(true);
+    run(&mut again, &mut desk, 4000, Reading { acc: [0, 0, 16393], ..level() });
+    let flags = Packet::decode(desk.packets.last().unwrap()).unwrap().header.flags;
+    assert_eq!((flags.filter, flags.gyro_range), (FilterKind::Estimator, GyroRange::Dps500));
+    assert!(flags.calibrated && flags.acc_range == AccRange::G2 && flags.start == Start::Done);
+    assert!(desk.stored.is_empty());
+
+    // a memory that was never written
+    let mut first = Node::new(3, "c");
+    first.restore(&Record::decode(&[0xFF; RECORD_BYTES]));
+    assert_eq!((first.name(), first.settings()), ("c", Node::new(4, "d").settings()));
 }

@@ -13,7 +13,7 @@ use shisei_twin::{Calibration, Correction};
 use shisei_wire::frame::FRAME_MAX;
 use shisei_wire::message::{self, Command, MESSAGE_MAX};
 use shisei_wire::packet::{FilterKind, Start};
-use shisei_wire::{Message, encode_frame};
+use shisei_wire::{AccRange, GyroRange, Message, encode_frame};
 
 /// Handling, s.
 const HANDLING_S: f64 = 305.0;
@@ -213,4 +213,39 @@ fn attitude_by_a_pc_over_five_minutes_of_handling() {
     let (own, thesis) = calibrated;
     assert!(own.inclination_deg() <= 1.0 && own.drift_deg_min().abs() <= 2.0, "{}", own.text());
     assert!(own.inclination_deg() < thesis.inclination_deg());
+}
+
+/// What a node is told to be it is after a restart too: name, settings and calibration.
+#[test]
+fn a_node_that_starts_anew_is_as_it_was_told_to_be() {
+    let settings = Settings { nodes: 1, reboots: vec![(0, 8.0)], ..Settings::default() };
+    let straight = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let half = shisei_wire::calibration::Correction { bias: [0.01; 3], matrix: straight };
+    let told = message::Settings {
+        filter: FilterKind::Estimator,
+        batch: 2,
+        gyro_range: GyroRange::Dps1000,
+        acc_range: AccRange::G16,
+    };
+    let commands = [
+        Command::Configure(0, told),
+        Command::Keep(0, Some(shisei_wire::Calibration { accelerometer: half, gyroscope: half })),
+        Command::Rename(0, "左手"),
+    ];
+    let mut lab = Lab::new(settings);
+    let items = run(&mut lab, 20.0, &commands);
+    let again = items.iter().position(|item| matches!(item, Item::Rebooted(0, _))).expect("a restart");
+    let after = samples(&items[again..]);
+    assert!(after.len() > 1000, "{}", after.len());
+    assert!(after.iter().all(|sample| sample.calibrated && sample.filter == FilterKind::Estimator));
+    // in counts of ±16 g and ±1000 °/s
+    let whole =
+        |value: f64, count: f64| (value / count - shisei_core::math::round(value / count)).abs() < 1e-6;
+    assert!(after.iter().all(|sample| sample.acc_m_s2.iter().all(|&a| whole(a, AccRange::G16.count_m_s2()))));
+    assert!(after.iter().all(|s| s.gyro_rad_s.iter().all(|&w| whole(w, GyroRange::Dps1000.count_rad_s()))));
+    let odd = |w: f64| !whole(w, GyroRange::Dps2000.count_rad_s());
+    assert!(after.iter().any(|sample| odd(sample.gyro_rad_s[0])));
+    let name =
+        items.iter().rev().find_map(|item| if let Item::Node(node) = item { Some(&node.name) } else { None });
+    assert_eq!(name.map(String::as_str), Some("左手"));
 }

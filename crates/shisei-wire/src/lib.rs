@@ -19,6 +19,7 @@ pub mod gatt;
 pub mod message;
 pub mod packet;
 pub mod range;
+mod settings;
 
 pub use calibration::Calibration;
 pub use frame::{Deframer, encode_frame};

@@ -3,6 +3,7 @@
 use crate::bytes::{Put, Take};
 use crate::calibration::Calibration;
 use crate::gatt::{NAME_MAX, NOTIFICATION_MAX};
+pub use crate::settings::{SETTINGS_BYTES, Settings};
 use crate::{Error, Result, VERSION};
 
 /// Longest message: data with the longest notification.
@@ -168,19 +169,6 @@ pub struct NodeCalibration {
     pub node: u8,
     /// What it keeps.
     pub calibration: Option<Calibration>,
-}
-
-/// A node's settings: 4 bytes: filter u8, samples a packet u8, gyroscope range u8, accelerometer range u8.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Settings {
-    /// What makes the attitude.
-    pub filter: crate::packet::FilterKind,
-    /// Samples a packet, 1 … 10.
-    pub batch: u8,
-    /// Range of the gyroscope.
-    pub gyro_range: crate::GyroRange,
-    /// Range of the accelerometer.
-    pub acc_range: crate::AccRange,
 }
 
 /// What the PC can ask for. A node is a place in the receiver, [`NO_NODE`] all of them.
@@ -379,14 +367,9 @@ fn put_command(put: &mut Put<'_>, command: &Command<'_>) -> Result<()> {
             put_name(put, name)
         }
         Command::Configure(node, settings) => {
-            if settings.batch == 0 || usize::from(settings.batch) > crate::packet::SAMPLES_MAX {
-                return Err(Error::Value);
-            }
+            let settings = settings.encode()?;
             put.u8(node)?;
-            put.u8(settings.filter as u8)?;
-            put.u8(settings.batch)?;
-            put.u8(settings.gyro_range as u8)?;
-            put.u8(settings.acc_range as u8)
+            put.bytes(&settings)
         }
         Command::Keep(node, ref calibration) => {
             put.u8(node)?;
@@ -402,18 +385,8 @@ fn take_command<'a>(kind: u8, node: u8, take: &mut Take<'a>) -> Result<Command<'
         131 => Command::Calibrate(node),
         132 => Command::Rename(node, take_name(take)?),
         133 => {
-            let filter = match take.u8()? {
-                0 => crate::packet::FilterKind::Complementary,
-                1 => crate::packet::FilterKind::Estimator,
-                _ => return Err(Error::Value),
-            };
-            let batch = take.u8()?;
-            if batch == 0 || usize::from(batch) > crate::packet::SAMPLES_MAX {
-                return Err(Error::Value);
-            }
-            let gyro_range = crate::GyroRange::from_code(take.u8()?).ok_or(Error::Value)?;
-            let acc_range = crate::AccRange::from_code(take.u8()?).ok_or(Error::Value)?;
-            Command::Configure(node, Settings { filter, batch, gyro_range, acc_range })
+            let fields = [take.u8()?, take.u8()?, take.u8()?, take.u8()?];
+            Command::Configure(node, Settings::decode(fields)?)
         }
         134 => Command::Keep(node, take_calibration(take)?),
         other => return Err(Error::Kind(other)),

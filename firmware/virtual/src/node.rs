@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use shisei_board::Clock;
 use shisei_board::node::Radio;
-use shisei_device::node::{Board, Node, Reading, step};
-use shisei_wire::{AccRange, Calibration, GyroRange};
+use shisei_device::node::{Board, Node, Reading, Record, step};
+use shisei_wire::{AccRange, GyroRange};
 
 use crate::DeviceClock;
 use crate::controllers::{Controller, ReportAnchors};
@@ -83,9 +83,7 @@ impl Board for VirtualBoard<'_> {
 
     fn light(&mut self, _: bool) {}
 
-    fn store_name(&mut self, _: &str) {}
-
-    fn store_calibration(&mut self, _: Option<&Calibration>) {}
+    fn store(&mut self, _: &Record) {}
 }
 
 impl VirtualNode {

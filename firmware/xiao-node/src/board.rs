@@ -5,8 +5,8 @@ use core::cell::Cell;
 use embassy_nrf::gpio::{Level, Output};
 use shisei_board::Clock;
 use shisei_board::node::Radio;
-use shisei_device::node::{Board, Reading};
-use shisei_wire::{AccRange, Calibration, GyroRange};
+use shisei_device::node::{Board, Reading, Record};
+use shisei_wire::{AccRange, GyroRange};
 use shisei_xiao::BoardClock;
 
 use crate::sensor::Readings;
@@ -19,8 +19,8 @@ pub struct Xiao<'a> {
     pub battery_mv: &'a Cell<u16>,
     /// Lit when low.
     pub light: Output<'static>,
-    /// Name or calibration changed and are to be stored.
-    pub to_store: bool,
+    /// What changed and is to be stored.
+    pub to_store: Option<Record>,
 }
 
 impl Board for Xiao<'_> {
@@ -61,11 +61,7 @@ impl Board for Xiao<'_> {
         self.light.set_level(if on { Level::Low } else { Level::High });
     }
 
-    fn store_name(&mut self, _: &str) {
-        self.to_store = true;
-    }
-
-    fn store_calibration(&mut self, _: Option<&Calibration>) {
-        self.to_store = true;
+    fn store(&mut self, record: &Record) {
+        self.to_store = Some(*record);
     }
 }

@@ -28,7 +28,7 @@ use shisei_xiao::{
 use static_cell::StaticCell;
 
 use board::Xiao;
-use memory::{Changed, Memory, Settings};
+use memory::{Changed, Memory, first_name};
 use sensor::Readings;
 
 bind_interrupts!(struct Interrupts {
@@ -85,13 +85,13 @@ async fn main(spawner: Spawner) {
     .expect("the controller starts with these fixed settings");
 
     let mut memory = Memory::new(mpsl, p.NVMC);
-    let settings = memory.settings();
+    let mut node = Node::new(boot, &first_name());
+    node.restore(&memory.record());
     let changed = Changed::new();
     let keep = memory.keep(&changed);
-    let mut node = Node::new(boot, settings.name.as_str());
-    node.keep(settings.calibration);
-    let node = RefCell::new(node);
     let (radio, readings) = (Radio::default(), Readings::default());
+    readings.set_ranges(node.settings().gyro_range, node.settings().acc_range);
+    let node = RefCell::new(node);
     radio.set_status(&node.borrow());
     let battery_mv = Cell::new(0);
     let battery = battery::watch(p.SAADC, Interrupts, p.P0_31, p.P0_14, &battery_mv);
@@ -104,15 +104,15 @@ async fn main(spawner: Spawner) {
             radio: &radio,
             battery_mv: &battery_mv,
             light,
-            to_store: false,
+            to_store: None,
         };
         loop {
             select(readings.wait(), Timer::after_millis(STEP_MS)).await;
             let mut node = node.borrow_mut();
             step(&mut node, &mut board);
             radio.set_status(&node);
-            if core::mem::take(&mut board.to_store) {
-                changed.signal(Settings::of(&node));
+            if let Some(record) = board.to_store.take() {
+                changed.signal(record);
             }
         }
     };

@@ -2,9 +2,9 @@
 
 use shisei_wire::gatt::{COMMAND_MAX, NOTIFICATION_MAX};
 use shisei_wire::message::Command;
-use shisei_wire::{AccRange, Calibration, GyroRange};
+use shisei_wire::{AccRange, GyroRange};
 
-use super::{Node, Reaction, Reading};
+use super::{Node, Reading, Record};
 
 /// Sensor, radio, clock and pins of a board. Nothing here waits: what is not there yet is told as none.
 pub trait Board {
@@ -26,10 +26,8 @@ pub trait Board {
     fn battery_mv(&mut self) -> u16;
     /// Switches the light.
     fn light(&mut self, on: bool);
-    /// Stores the name and advertises it.
-    fn store_name(&mut self, name: &str);
-    /// Stores the calibration, or that there is none; [`Node::keep`] gets it at the next start.
-    fn store_calibration(&mut self, calibration: Option<&Calibration>);
+    /// Stores this, and advertises the name; [`Node::restore`] gets it at the next start.
+    fn store(&mut self, record: &Record);
 }
 
 /// Does everything there is to do now. To be called when something happened, and every few milliseconds.
@@ -62,10 +60,13 @@ pub fn step(node: &mut Node, board: &mut impl Board) {
 }
 
 fn react(node: &mut Node, board: &mut impl Board, command: &Command<'_>, now_us: u64) {
-    match node.command(command, now_us) {
-        Reaction::None => {}
-        Reaction::SetRanges(gyro, acc) => board.set_ranges(gyro, acc),
-        Reaction::StoreName => board.store_name(node.name()),
-        Reaction::StoreCalibration => board.store_calibration(node.calibration()),
+    let before = node.settings();
+    if node.command(command, now_us) {
+        let now = node.settings();
+        if (now.gyro_range, now.acc_range) != (before.gyro_range, before.acc_range) {
+            // readings are taken to be of them from now on
+            board.set_ranges(now.gyro_range, now.acc_range);
+        }
+        board.store(&node.record());
     }
 }

@@ -3,18 +3,19 @@
 mod attitude;
 mod board;
 mod queue;
+mod record;
 mod start;
 mod tick;
 
 pub use attitude::Attitude;
 pub use board::{Board, step};
+pub use record::{Name, RECORD_BYTES, Record};
 pub use start::{DURATION_US as START_US, Found, Starter, TICKS_MIN};
 pub use tick::{GAP_US, RATE_HZ, Rates, Tick, Ticker};
 
 use shisei_core::calibration::{Calibration as Correction, SensorModel};
 use shisei_core::vector::sub;
 use shisei_core::{Quaternion, Vec3};
-use shisei_wire::gatt::NAME_MAX;
 use shisei_wire::message::{Command, Settings};
 use shisei_wire::packet::{self, Anchor, Flags, Header, SAMPLES_MAX, Sample, Start};
 use shisei_wire::{AccRange, Calibration, GyroRange};
@@ -42,19 +43,6 @@ pub struct Reading {
     pub acc: [i16; 3],
     /// Temperature, 0.01 °C, where it was read.
     pub temperature_centi_c: Option<i16>,
-}
-
-/// What a command asks of the board.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Reaction {
-    /// Nothing.
-    None,
-    /// The sensor gets new ranges; readings are taken to be of them from now on.
-    SetRanges(GyroRange, AccRange),
-    /// The name changed: store it and advertise it.
-    StoreName,
-    /// The calibration that is kept changed: store it, or none.
-    StoreCalibration,
 }
 
 #[derive(Clone, Copy, Debug, Default)]
@@ -101,15 +89,14 @@ pub struct Node {
     temperature_centi_c: Option<i16>,
     battery_mv: u16,
     identify_until_us: u64,
-    name: [u8; NAME_MAX],
-    name_length: usize,
+    name: Name,
     kept: Option<Kept>,
 }
 
 impl Node {
     /// A node that just started. `boot` is random; a name that is too long is cut at a character's end.
     pub fn new(boot: u16, name: &str) -> Self {
-        let mut node = Node {
+        Node {
             boot,
             settings: Settings { batch: BATCH, ..Settings::default() },
             ticker: Ticker::default(),
@@ -124,12 +111,9 @@ impl Node {
             temperature_centi_c: None,
             battery_mv: 0,
             identify_until_us: 0,
-            name: [0; NAME_MAX],
-            name_length: 0,
+            name: Name::cut(name),
             kept: None,
-        };
-        node.rename(name);
-        node
+        }
     }
 
     /// Takes a reading of the sensor.
@@ -250,40 +234,37 @@ impl Node {
         self.queue.drop_first(samples);
     }
 
-    /// Carries out a command.
-    pub fn command(&mut self, command: &Command<'_>, now_us: u64) -> Reaction {
+    /// Carries out a command. True where what it keeps has changed: [`Node::record`] is to be stored.
+    pub fn command(&mut self, command: &Command<'_>, now_us: u64) -> bool {
         match *command {
-            Command::Ask => Reaction::None,
+            Command::Ask => false,
             Command::Identify(_) => {
                 self.identify_until_us = now_us + IDENTIFY_US;
-                Reaction::None
+                false
             }
             Command::Calibrate(_) => {
                 self.restart();
-                Reaction::None
+                false
             }
             Command::Rename(_, name) => {
-                self.rename(name);
-                Reaction::StoreName
+                self.name = Name::cut(name);
+                true
             }
             Command::Keep(_, calibration) => {
                 self.keep(calibration);
-                Reaction::StoreCalibration
+                true
             }
-            Command::Configure(_, settings) => {
-                let before = self.settings;
-                self.settings = Settings { batch: settings.batch.clamp(1, SAMPLES_MAX as u8), ..settings };
-                if settings.filter != before.filter {
-                    self.restart();
-                }
-                let ranges = (settings.gyro_range, settings.acc_range);
-                if ranges == (before.gyro_range, before.acc_range) {
-                    Reaction::None
-                } else {
-                    Reaction::SetRanges(ranges.0, ranges.1)
-                }
-            }
+            Command::Configure(_, settings) => self.configure(settings),
         }
+    }
+
+    fn configure(&mut self, settings: Settings) -> bool {
+        let before = self.settings;
+        self.settings = Settings { batch: settings.batch.clamp(1, SAMPLES_MAX as u8), ..settings };
+        if self.settings.filter != before.filter {
+            self.restart();
+        }
+        self.settings != before
     }
 
     fn restart(&mut self) {
@@ -293,7 +274,20 @@ impl Node {
         self.attitude = Attitude::Waiting;
     }
 
-    /// What the board has stored; also for a board that starts. Bias and attitude are found anew.
+    /// What it keeps over restarts, for the board to store.
+    pub fn record(&self) -> Record {
+        let calibration = self.calibration().copied();
+        Record { name: Some(self.name), calibration, settings: Some(self.settings) }
+    }
+
+    /// Takes what the board has stored when it starts; the sensor gets the ranges of [`Node::settings`] then.
+    pub fn restore(&mut self, record: &Record) {
+        self.name = record.name.unwrap_or(self.name);
+        self.configure(record.settings.unwrap_or(self.settings));
+        self.keep(record.calibration);
+    }
+
+    /// Takes a calibration, or none. Bias and attitude are found anew.
     pub fn keep(&mut self, calibration: Option<Calibration>) {
         self.kept = calibration.map(|sent| Kept { sent, correction: correction(&sent) });
         self.restart();
@@ -304,20 +298,9 @@ impl Node {
         self.kept.as_ref().map(|kept| &kept.sent)
     }
 
-    fn rename(&mut self, name: &str) {
-        let mut length = name.len().min(NAME_MAX);
-        while !name.is_char_boundary(length) {
-            length -= 1;
-        }
-        if let (Some(place), Some(bytes)) = (self.name.get_mut(..length), name.as_bytes().get(..length)) {
-            place.copy_from_slice(bytes);
-            self.name_length = length;
-        }
-    }
-
     /// Its name.
     pub fn name(&self) -> &str {
-        self.name.get(..self.name_length).and_then(|bytes| core::str::from_utf8(bytes).ok()).unwrap_or("")
+        self.name.as_str()
     }
 
     /// Its boot id.

@@ -2,9 +2,9 @@
 
 use std::collections::VecDeque;
 
-use shisei_device::node::{Board, Node, Reading, step};
+use shisei_device::node::{Board, Node, RECORD_BYTES, Reading, Record, step};
 use shisei_wire::packet::counts;
-use shisei_wire::{AccRange, Calibration, GyroRange};
+use shisei_wire::{AccRange, GyroRange};
 
 use super::clock::Clock;
 use super::link::Link;
@@ -35,7 +35,7 @@ pub struct SimulatedBoard {
     pub light: bool,
     pub ranges: (GyroRange, AccRange),
     /// What is written to flash, and so there after a restart.
-    pub stored: Option<Calibration>,
+    pub stored: Option<[u8; RECORD_BYTES]>,
 }
 
 impl Board for SimulatedBoard {
@@ -81,10 +81,8 @@ impl Board for SimulatedBoard {
         self.light = on;
     }
 
-    fn store_name(&mut self, _: &str) {}
-
-    fn store_calibration(&mut self, calibration: Option<&Calibration>) {
-        self.stored = calibration.copied();
+    fn store(&mut self, record: &Record) {
+        self.stored = Some(record.encode());
     }
 }
 
@@ -123,13 +121,12 @@ impl SimulatedNode {
         let mut reboots_s: Vec<f64> =
             settings.reboots.iter().filter(|(node, _)| *node == index).map(|(_, time_s)| *time_s).collect();
         reboots_s.sort_by(f64::total_cmp);
+        let kept = settings.calibrations.iter().rfind(|(node, _)| *node == index).map(|(_, kept)| *kept);
+        let stored = kept.map(|kept| Record { calibration: Some(kept), ..Record::default() }.encode());
         let mut node = SimulatedNode {
             index,
             device: Node::new(0, ""),
-            board: SimulatedBoard {
-                stored: settings.calibrations.iter().rfind(|(node, _)| *node == index).map(|(_, kept)| *kept),
-                ..SimulatedBoard::default()
-            },
+            board: SimulatedBoard { stored, ..SimulatedBoard::default() },
             boots: Vec::new(),
             // What is simulated in steps of the sensor lasts so long.
             movement_s: samples.len() as f64 / sensor_hz,
@@ -156,8 +153,15 @@ impl SimulatedNode {
         let id = self.random.between(1.0, 65_535.0) as u16;
         self.boots.push(Boot { id, clock: Clock { started_s: now_s, offset_us, skew: self.skew } });
         self.device = Node::new(id, &format!("node {}", self.index));
-        self.board = SimulatedBoard { stored: self.board.stored, ..SimulatedBoard::default() };
-        self.device.keep(self.board.stored);
+        if let Some(stored) = &self.board.stored {
+            self.device.restore(&Record::decode(stored));
+        }
+        let kept = self.device.settings();
+        self.board = SimulatedBoard {
+            stored: self.board.stored,
+            ranges: (kept.gyro_range, kept.acc_range),
+            ..SimulatedBoard::default()
+        };
         self.next_reading = shisei_core::math::floor((now_s + BOOT_S) * self.sensor_hz) as usize;
     }
 
