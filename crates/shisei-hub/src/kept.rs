@@ -10,6 +10,15 @@ pub fn for_node(calibration: &Calibration) -> Kept {
     Kept { accelerometer: half(&calibration.accelerometer), gyroscope: half(&calibration.gyroscope) }
 }
 
+/// Ready for use.
+pub fn of_node(kept: &Kept) -> Calibration {
+    let model = |half: &Correction| {
+        let (bias, matrix) = half.to_f64();
+        SensorModel { bias, matrix }
+    };
+    Calibration { accelerometer: model(&kept.accelerometer), gyroscope: model(&kept.gyroscope) }
+}
+
 /// As a calibration file says it.
 pub fn json(kept: &Kept) -> serde_json::Value {
     let half = |correction: &Correction, bias_name: &str| {

@@ -1,11 +1,17 @@
 //! Attitude of a simulated node over five minutes of handling, against the truth: what the node computes itself, with
 //! and without a calibration that it keeps, and what a PC makes of its samples.
 
+use std::sync::Arc;
+use std::time::Instant;
+
 use shisei_core::calibration::gyro_turns::{self, TurnSettings};
 use shisei_core::calibration::recording::calibrate_poses;
 use shisei_core::estimator::{Estimator, Settings as EstimatorSettings};
 use shisei_core::filter::{Complementary, DEFAULT_ALPHA, Filter};
 use shisei_core::{Quaternion, STANDARD_GRAVITY_M_S2, calibration, initial, vector};
+use shisei_hub::live::input::{Arrival, ToHub};
+use shisei_hub::live::scene::Key;
+use shisei_hub::live::{self, Board, Hub, Kind, What};
 use shisei_hub::{Item, Sample, Session, kept};
 use shisei_twin::lab::{Lab, Movement, Settings};
 use shisei_twin::simulate::Errors;
@@ -248,4 +254,53 @@ fn a_node_that_starts_anew_is_as_it_was_told_to_be() {
     let name =
         items.iter().rev().find_map(|item| if let Item::Node(node) = item { Some(&node.name) } else { None });
     assert_eq!(name.map(String::as_str), Some("左手"));
+}
+
+/// What the hub shows of a node without a body, over a minute of handling.
+fn shown(settings: &Settings, kept: Option<shisei_wire::Calibration>) -> Judge {
+    let calibrations = kept.into_iter().map(|kept| (0, kept)).collect();
+    let mut lab = Lab::new(Settings { nodes: 1, calibrations, ..settings.clone() });
+    let board = Arc::new(Board::new("{}"));
+    let mut hub = Hub::new(live::Settings::default(), vec![("lab".into(), Kind::Serial)], Vec::new(), board);
+    let (mut session, mut items, port) = (Session::default(), Vec::new(), Arc::from("lab"));
+    let mut judge = Judge::default();
+    while lab.time_s() < 60.0 {
+        lab.run_to(lab.time_s() + 0.005);
+        let mut bytes = Vec::new();
+        lab.serial(&mut bytes);
+        items.clear();
+        session.push(&bytes, &mut items);
+        let (at, unix_ns, port) = (Instant::now(), (lab.time_s() * 1e9) as u64, Arc::clone(&port));
+        hub.push(ToHub::Arrival(Arrival { input: 0, port, at, unix_ns, what: What::Serial(bytes) }));
+        let object = hub.scene().objects().find(|object| object.key == Key::Node(0));
+        let (Some(sample), Some(shown)) =
+            (samples(&items).pop(), object.and_then(|object| object.shown.as_ref()))
+        else {
+            continue;
+        };
+        let time_s = sample.time_s.expect("a time");
+        let truth_s = lab.true_time_s(0, sample.boot, sample.stamp_us, time_s).expect("its boot");
+        // node and receiver have told each other all by then
+        if truth_s >= 15.0 {
+            judge.add(shown.pose.world_from_body, lab.attitude(0, truth_s).expect("a node"));
+        }
+    }
+    judge
+}
+
+/// What is sent is as the sensor gave it; the hub corrects it by the calibration that the node says it keeps.
+#[test]
+fn the_hub_corrects_the_samples_of_a_node_that_keeps_a_calibration() {
+    let (mut all_with, mut all_without) = (0.0, 0.0);
+    for seed in 1..=3 {
+        let settings = Settings { seed, movement_s: 306.0, ..Settings::default() };
+        let (with, without) = (shown(&settings, Some(calibrate(&settings))), shown(&settings, None));
+        assert!(with.count > 1000.0 && without.count > 1000.0);
+        let (with, without) = (with.inclination_deg(), without.inclination_deg());
+        println!("part {seed}, shown live: kept {with:.2}°, as delivered {without:.2}°");
+        assert!(with < without, "part {seed}: {with}° and {without}°");
+        all_with += with;
+        all_without += without;
+    }
+    assert!(all_with < 0.6 * all_without, "{all_with}° and {all_without}°");
 }

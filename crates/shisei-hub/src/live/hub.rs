@@ -11,6 +11,7 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 use shisei_core::Vec3;
+use shisei_wire::message::Command;
 
 use super::board::Board;
 use super::input::{Arrival, Kind, Outbox, State, ToHub, What, unix_ns};
@@ -24,7 +25,7 @@ use super::recorder::{Record, Recorder};
 use super::scene::Scene;
 use super::settings::Settings;
 use crate::natnet;
-use crate::session::{Item, Session};
+use crate::session::{Item, Session, command_bytes};
 
 /// Poses go to clients so often at most.
 pub const SHOW: Duration = Duration::from_millis(16);
@@ -234,6 +235,11 @@ impl Hub {
         let found =
             self.ports.iter().position(|port| port.input == arrival.input && *port.name == *arrival.port);
         if found.is_none() && self.ports.len() < PORTS_MAX {
+            // names and calibrations are told now, not within ten seconds
+            let outbox = self.inputs.get(arrival.input).and_then(|input| input.outbox.as_ref());
+            if let (Some(outbox), Some(bytes)) = (outbox, command_bytes(Command::Ask)) {
+                outbox.push(&arrival.port, bytes);
+            }
             self.ports.push(Port {
                 input: arrival.input,
                 name: Arc::clone(&arrival.port),

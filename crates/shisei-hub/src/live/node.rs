@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 use std::time::Instant;
 
 use serde_json::{Value, json};
+use shisei_core::calibration::Calibration;
 use shisei_core::estimator::{Estimator, Sample as Reading, Settings};
 use shisei_core::frames::Pose;
 use shisei_core::fuse::Source;
@@ -56,6 +57,8 @@ pub struct Node {
     pub merging: VecDeque<Instant>,
     /// Samples that the session has taken in.
     pub taken: u64,
+    /// The calibration that it keeps: what it sends is as the sensor gave it.
+    kept: Option<Calibration>,
     estimator: Estimator,
     last: Option<Sample>,
     attitude: Quaternion,
@@ -86,6 +89,7 @@ impl Node {
             arrivals: VecDeque::new(),
             merging: VecDeque::new(),
             taken: 0,
+            kept: None,
             estimator: Estimator::new(&Settings::default())?,
             last: None,
             attitude: Quaternion::IDENTITY,
@@ -115,6 +119,26 @@ impl Node {
     pub fn restart(&mut self) {
         self.arrivals.clear();
         self.taken = 0;
+    }
+
+    /// It keeps this calibration, or none; true where that is another than was known. What was learnt of the sensor
+    /// is no longer so then.
+    pub fn keeps(&mut self, kept: Option<Calibration>) -> Result<bool> {
+        if self.kept == kept {
+            return Ok(false);
+        }
+        self.kept = kept;
+        self.estimator = Estimator::new(&Settings::default())?;
+        Ok(true)
+    }
+
+    /// A sample as the calibration corrects it.
+    pub fn corrected(&self, sample: &Sample) -> Sample {
+        self.kept.as_ref().map_or(*sample, |kept| Sample {
+            gyro_rad_s: kept.gyroscope.apply(sample.gyro_rad_s),
+            acc_m_s2: kept.accelerometer.apply(sample.acc_m_s2),
+            ..*sample
+        })
     }
 
     /// Without a body: the attitude alone.

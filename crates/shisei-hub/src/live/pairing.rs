@@ -103,17 +103,25 @@ impl Hub {
 
     /// Sensors of a port are no longer brought together with bodies: its clock has changed.
     pub(super) fn uncouple(&mut self, port: usize) {
-        let smoothing = self.recorder.as_ref().and_then(Recorder::smoothing);
-        for (index, node) in self.nodes.iter_mut().enumerate().filter(|(_, node)| node.place.0 == port) {
-            if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
-                smoothing.end_of(index);
+        for index in 0..self.nodes.len() {
+            if self.nodes[index].place.0 == port {
+                self.uncouple_node(index);
             }
-            node.past.clear();
-            node.merger = None;
-            node.merging.clear();
-            node.asked = None;
-            node.sync_s = None;
         }
+    }
+
+    /// One sensor is no longer brought together with its body: its clock or its readings have changed.
+    pub(super) fn uncouple_node(&mut self, index: usize) {
+        let Some(node) = self.nodes.get_mut(index) else { return };
+        let smoothing = self.recorder.as_ref().and_then(Recorder::smoothing);
+        if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
+            smoothing.end_of(index);
+        }
+        node.past.clear();
+        node.merger = None;
+        node.merging.clear();
+        node.asked = None;
+        node.sync_s = None;
     }
 
     /// A sensor is brought together with a body from now on.

@@ -7,6 +7,7 @@ use super::input::Arrival;
 use super::node::Node;
 use super::recorder::Record;
 use super::scene::Key;
+use crate::kept;
 use crate::session::{Item, Sample};
 
 impl Hub {
@@ -95,7 +96,16 @@ impl Hub {
                 self.uncouple(port);
             }
             Item::Event(event) => self.refused(port, &event),
-            Item::Calibration(..) | Item::Hello(_) | Item::Garbage => {}
+            Item::Calibration(place, kept) => {
+                let kept = kept.as_ref().map(kept::of_node);
+                let Some(index) = self.nodes.iter().position(|node| node.place == (port, place)) else {
+                    return;
+                };
+                if self.nodes[index].keeps(kept).unwrap_or(false) {
+                    self.uncouple_node(index);
+                }
+            }
+            Item::Hello(_) | Item::Garbage => {}
         }
     }
 
@@ -113,6 +123,7 @@ impl Hub {
         };
         let node = &mut self.nodes[index];
         let came = node.arrival();
+        let sample = &node.corrected(sample);
         node.past.push(sample, arrival.unix_ns as f64 * 1e-9);
         if let Some(t) = sample.temperature_c {
             node.temperature_c = Some(t);
