@@ -311,6 +311,13 @@ fn search_stretch(
             length_s -= blocks[window_start].length_s;
             window_start += 1;
         }
+        // windows that are not still between two that overlap do not part them
+        if let Some(over) = run.take_if(|run| window_start > run.last) {
+            over.finish(blocks, settings, rests);
+            if first && !rests.is_empty() {
+                return;
+            }
+        }
         if end - window_start < 2 || length_s < 0.99 * settings.window_s {
             continue;
         }
@@ -318,10 +325,8 @@ fn search_stretch(
         if !window.still {
             continue;
         }
-        // windows that are not still between two that overlap do not part them
-        let joins = run.as_ref().is_some_and(|run| window_start <= run.last && run.fits(&window, settings));
-        if !joins && let Some(run) = run.take() {
-            run.finish(blocks, settings, rests);
+        if let Some(over) = run.take_if(|run| !run.fits(&window, settings)) {
+            over.finish(blocks, settings, rests);
             if first && !rests.is_empty() {
                 return;
             }
