@@ -14,6 +14,7 @@ mod fuse_inputs;
 mod fuse_report;
 mod input;
 mod lang;
+mod outgoing;
 mod output;
 mod summary;
 mod tables;

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use shisei_core::Lang;
 
 use crate::fail::{Failure, Outcome, say};
+use crate::outgoing::Outgoing;
 
 /// What lets an existing file be overwritten without `--force`: it is our own earlier output.
 #[derive(Clone, Copy, Debug)]
@@ -72,11 +73,10 @@ pub fn is_orientation(head: &[u8]) -> bool {
 
 /// The first bytes of a file, as far as they can be read.
 pub fn head(path: &Path) -> Vec<u8> {
-    let mut bytes = Vec::new();
-    if let Ok(file) = File::open(path) {
-        // An unreadable head counts as not ours, which is the safe answer.
-        let _ = file.take(4096).read_to_end(&mut bytes);
-    }
+    let mut bytes = vec![0; 4096];
+    // An unreadable head counts as not ours, which is the safe answer.
+    let length = File::open(path).and_then(|mut file| file.read(&mut bytes)).unwrap_or(0);
+    bytes.truncate(length);
     bytes
 }
 
@@ -208,10 +208,9 @@ fn stage(
         // As any other new file: the user's umask decides (a temporary file would be 0600).
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    // Pieces of a table are larger and go straight to the file.
-    let mut out = BufWriter::with_capacity(1 << 16, builder.tempfile_in(directory)?);
+    let mut out = Outgoing::new(builder.tempfile_in(directory)?);
     body(&mut out)?;
-    out.into_inner().map(Some).map_err(io::IntoInnerError::into_error)
+    out.finish().map(Some)
 }
 
 /// True for `-`.
