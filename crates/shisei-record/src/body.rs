@@ -5,6 +5,7 @@ use crate::error::{Error, Place, Problem, Result, shorten};
 use crate::number::{self, Cell, Shape};
 use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
 use crate::stamp::{self, Cycle};
+use crate::wide::{Vectors, wide};
 use shisei_core::Vec3;
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -168,6 +169,7 @@ struct Reader<'a, 's> {
     needed: usize,
     /// Columns at the start, save the last wanted one, that are all plain numbers.
     plain: usize,
+    vectors: Vectors,
 }
 
 /// Reads all rows of a text in memory.
@@ -178,6 +180,10 @@ pub(crate) fn read(sheet: &Sheet<'_>, wanted: &Wanted) -> Result<Body> {
 /// Reads all rows; `blocks` starts with the first of them. Long texts are read by as many threads as there are
 /// processors; what is read does not depend on their number.
 pub(crate) fn read_blocks(sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>) -> Result<Body> {
+    read_by(Vectors::widest(), sheet, wanted, blocks)
+}
+
+fn read_by(vectors: Vectors, sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>) -> Result<Body> {
     let last = wanted.slot.iter().flatten().copied().max().unwrap_or(0);
     let mut action = vec![Action::Skip; last + 1];
     for (slot, column) in wanted.slot.iter().enumerate() {
@@ -192,7 +198,7 @@ pub(crate) fn read_blocks(sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>
         }
     }
     let plain = action.iter().take(last).take_while(|action| matches!(action, Action::Number(_))).count();
-    let reader = Reader { sheet, wanted, action, needed: last + 1, plain };
+    let reader = Reader { sheet, wanted, action, needed: last + 1, plain, vectors };
     let mut joined = Joined::new(&reader, blocks.length);
     let threads = match blocks.pieces.threads {
         _ if !matches!(sheet.delimiter, Delimiter::Byte(_)) => 1,
@@ -316,20 +322,17 @@ impl<'a, 's> Joined<'a, 's> {
         let Joined { reader, out, line_number, pending, shape } = self;
         let wanted = reader.wanted;
         let mut row = [0.0f64; SLOTS];
-        while at < text.len() {
-            *line_number += 1;
-            if let Some(next) = reader.fast(text, at, &mut row, shape) {
-                if let Some((error, _)) = pending.take() {
-                    return Err(error);
-                }
-                push(out, &row, wanted);
-                if !wanted.keep.is_empty() {
-                    reader.keep(text.get(at..next).unwrap_or_default(), out);
-                }
-                at = next;
-                continue;
+        loop {
+            let rows = out.rows;
+            at = plain_rows(reader.vectors, reader, text, at, out, shape);
+            *line_number += out.rows - rows;
+            if out.rows > rows
+                && let Some((error, _)) = pending.take()
+            {
+                return Err(error);
             }
             let Some((line, next)) = line_at(text, at) else { break };
+            *line_number += 1;
             let start = at;
             at = next;
             if line.len() > LINE_LIMIT {
@@ -421,7 +424,7 @@ fn reserve(out: &mut Body, sheet: &Sheet<'_>, length: u64, wanted: &Wanted) {
     }
 }
 
-#[inline]
+#[inline(always)]
 pub(crate) fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
     out.rows += 1;
     if wanted.slot[TIME].is_some() {
@@ -446,29 +449,44 @@ pub(crate) fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
     }
 }
 
+wide! {
+    /// Reads the plain rows from `at` on; gives where the row begins that needs care, or the text's end. `shape` has
+    /// what each column's number in the row before looked like.
+    fn plain_rows<'a, 's; >(
+        reader: &Reader<'a, 's>,
+        text: &[u8],
+        at: usize,
+        out: &mut Body,
+        shape: &mut [Shape],
+    ) -> usize {
+        let mut row = [0.0f64; SLOTS];
+        let mut at = at;
+        while at < text.len()
+            && let Some(next) = reader.fast(text, at, &mut row, shape)
+        {
+            push(out, &row, reader.wanted);
+            if !reader.wanted.keep.is_empty() {
+                reader.keep(text.get(at..next).unwrap_or_default(), out);
+            }
+            at = next;
+        }
+        at
+    }
+}
+
 impl Reader<'_, '_> {
     /// Reads the plain rows at the start of a block.
     fn start<'b>(&self, block: Cow<'b, [u8]>, shape: &mut [Shape]) -> Start<'b> {
         shape.iter_mut().for_each(Shape::trust);
         let mut rows = Body::new(self.wanted);
         reserve(&mut rows, self.sheet, block.len() as u64, self.wanted);
-        let mut row = [0.0f64; SLOTS];
-        let mut stop = 0;
-        while stop < block.len()
-            && let Some(next) = self.fast(&block, stop, &mut row, shape)
-        {
-            push(&mut rows, &row, self.wanted);
-            if !self.wanted.keep.is_empty() {
-                self.keep(block.get(stop..next).unwrap_or_default(), &mut rows);
-            }
-            stop = next;
-        }
+        let stop = plain_rows(self.vectors, self, &block, 0, &mut rows, shape);
         Start { block, rows, stop }
     }
 
     /// Reads a row of plain numbers; gives the start of the next line, or nothing where the row needs care.
     /// `shape` has what each column's number in the row before looked like.
-    #[inline]
+    #[inline(always)]
     fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [Shape]) -> Option<usize> {
         let Delimiter::Byte(separator) = self.sheet.delimiter else { return None };
         let decimal = self.sheet.decimal;
@@ -574,5 +592,50 @@ impl Reader<'_, '_> {
         let column = bad.column.map(|c| (c + 1, self.sheet.header.get(c).cloned().unwrap_or_default()));
         let place = Place { file: self.sheet.name.to_owned(), line: Some(line), column };
         Error::at(bad.problem.clone(), place)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::Options;
+    use crate::sheet;
+
+    /// Every way of writing numbers, in lines of several kinds.
+    #[test]
+    fn every_width_reads_the_same_numbers() {
+        let mut text = "time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z\n".to_owned();
+        let mut expected = Vec::new();
+        for k in 0..3_000u32 {
+            let (a, b) = (f64::from(k) * 0.01, f64::from(k.wrapping_mul(2_654_435_761)) / 1e9 - 2.0);
+            let cells = match k % 50 {
+                7 => [format!("{a:e}"), format!("{b}")],
+                8 => [format!("+{a}"), format!(" {b:.17}")],
+                _ => [format!("{a:.3}"), format!("{b:.6}")],
+            };
+            expected.push(cells.each_ref().map(|cell| cell.trim().parse::<f64>().unwrap()));
+            let [a, b] = cells;
+            text += &format!("{a},{b},0.25,9.81,{b},-1,{b}{}", if k % 50 == 9 { "\r\n" } else { "\n" });
+        }
+        let sheet = sheet::sniff("a.csv", text.as_bytes(), &Options::default()).unwrap();
+        let wanted =
+            Wanted { slot: std::array::from_fn(|slot| (slot < TEMP).then_some(slot)), ..Wanted::default() };
+        for vectors in Vectors::all() {
+            let blocks = Blocks::of(sheet.text.get(sheet.data_offset..).unwrap());
+            let body = read_by(vectors, &sheet, &wanted, blocks).unwrap();
+            let bits = |v: f64| v.to_bits();
+            assert!(
+                body.time.iter().map(|v| bits(*v)).eq(expected.iter().map(|v| bits(v[0]))),
+                "{vectors:?}"
+            );
+            assert!(
+                body.acc.iter().map(|v| bits(v[0])).eq(expected.iter().map(|v| bits(v[1]))),
+                "{vectors:?}"
+            );
+            assert!(
+                body.gyro.iter().map(|v| bits(v[2])).eq(expected.iter().map(|v| bits(v[1]))),
+                "{vectors:?}"
+            );
+        }
     }
 }

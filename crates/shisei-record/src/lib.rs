@@ -38,6 +38,7 @@ pub mod stamp;
 mod stream;
 pub mod track;
 pub mod units;
+mod wide;
 mod words;
 pub mod write;
 

@@ -3,9 +3,11 @@
 
 mod decimal;
 mod digits;
+mod page;
 mod shortest;
 mod table;
 
+use crate::wide::Vectors;
 use std::io::{self, Write};
 
 /// How numbers are written.
@@ -30,7 +32,7 @@ pub fn push_number(out: &mut Vec<u8>, value: f64, decimals: Decimals) {
 const WINDOW: usize = 40;
 
 /// A way of writing numbers: some are made ready together, then put into place one by one.
-trait Style: Default {
+trait Style: Default + Send {
     /// Makes numbers ready.
     fn prepare(&mut self, values: &[f64; digits::TILE]);
 
@@ -129,12 +131,40 @@ pub fn push_text(out: &mut Vec<u8>, text: &str) {
     }
 }
 
+/// Numbers that are made as the table is written.
+pub struct Made<'a> {
+    /// How many rows.
+    pub rows: usize,
+    /// How many numbers a row.
+    pub columns: usize,
+    /// Fills in the next rows, column after column: as many rows as there are places for. It is called for rows in
+    /// ascending order, by the caller's thread.
+    pub next: &'a mut dyn FnMut(&mut [f64]),
+}
+
+impl std::fmt::Debug for Made<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Made {} × {}", self.columns, self.rows)
+    }
+}
+
 /// Writes a table as CSV: a header, then one row a sample. Long tables are made into text by as many threads as
 /// there are processors, the same text whatever their number.
 pub fn csv(
     sink: &mut dyn Write,
     names: &[&str],
     columns: &[Column<'_>],
+    decimals: Decimals,
+) -> io::Result<()> {
+    let mut made = Made { rows: 0, columns: 0, next: &mut |_| {} };
+    csv_made(sink, names, (columns, &mut made, &[]), decimals)
+}
+
+/// As [`csv`], with numbers that are made as they are written between columns before and after them.
+pub fn csv_made(
+    sink: &mut dyn Write,
+    names: &[&str],
+    columns: (&[Column<'_>], &mut Made<'_>, &[Column<'_>]),
     decimals: Decimals,
 ) -> io::Result<()> {
     let mut header = Vec::new();
@@ -145,8 +175,7 @@ pub fn csv(
         push_text(&mut header, name);
     }
     header.push(b'\n');
-    sink.write_all(&header)?;
-    table::write(sink, columns, decimals)
+    table::write(Vectors::widest(), sink, &header, columns, decimals)
 }
 
 /// Writes a recording's canonical columns (INTERFACES): `time_s, acc_x … gyr_z[, temp_c]`, then kept ones.
@@ -219,6 +248,68 @@ mod tests {
         let mut out = b"kept,".to_vec();
         push_number(&mut out, 2.5, Decimals::Shortest);
         assert_eq!(out, b"kept,2.5");
+    }
+
+    /// Numbers of every size, sign and length, and some that go the long way, in as many rows as do not fill a tile.
+    #[test]
+    fn every_width_writes_the_same_text() {
+        let mut seed = 1u64;
+        let mut random = || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed >> 11
+        };
+        let numbers: Vec<f64> = (0..5_003)
+            .map(|k| match k % 7 {
+                0 => f64::from_bits(random() << 11 | random() & 0x7FF),
+                1 => (random() % 1_000_000) as f64 * -1e-6,
+                2 => 1.0 / (1u64 << (k % 40)) as f64,
+                _ => (random() as f64 / 9e15 - 0.5) * [1.0, 1e-3, 1e5, 7.0][k % 4],
+            })
+            .collect();
+        for decimals in [Decimals::Shortest, Decimals::Fixed(3), Decimals::Fixed(6), Decimals::Fixed(9)] {
+            let mut expected = String::new();
+            for number in &numbers {
+                expected += &text(*number, decimals);
+                expected.push('\n');
+            }
+            for vectors in Vectors::all() {
+                let mut out = Vec::new();
+                let mut made = Made { rows: 0, columns: 0, next: &mut |_| {} };
+                let columns: (&[Column<'_>], _, &[Column<'_>]) =
+                    (&[Column::Numbers(&numbers)], &mut made, &[]);
+                table::write(vectors, &mut out, b"", columns, decimals).unwrap();
+                assert!(out == expected.as_bytes(), "{vectors:?} {decimals:?}");
+            }
+        }
+    }
+
+    /// Numbers made on the way stand where they belong, by one thread and by several.
+    #[test]
+    fn numbers_that_are_made_as_they_are_written() {
+        for rows in [3, 1024, table::SMALL / 4 + 5] {
+            let first: Vec<f64> = (0..rows).map(|k| k as f64).collect();
+            let flags: Vec<bool> = (0..rows).map(|k| k % 3 == 0).collect();
+            let mut row = 0;
+            let mut next = |out: &mut [f64]| {
+                let count = out.len() / 2;
+                for k in 0..count {
+                    out[k] = (row + k) as f64 + 0.5;
+                    out[count + k] = -((row + k) as f64);
+                }
+                row += count;
+            };
+            let mut made = Made { rows, columns: 2, next: &mut next };
+            let mut out = Vec::new();
+            let columns: (&[Column<'_>], _, &[Column<'_>]) =
+                (&[Column::Numbers(&first)], &mut made, &[Column::Flags(&flags)]);
+            csv_made(&mut out, &["a", "b", "c", "d"], columns, Decimals::Fixed(1)).unwrap();
+            let mut expected = "a,b,c,d\n".to_owned();
+            for k in 0..rows {
+                let c = if k == 0 { "0.0".into() } else { format!("-{k}.0") };
+                expected += &format!("{k}.0,{k}.5,{c},{}\n", u8::from(k % 3 == 0));
+            }
+            assert!(out == expected.into_bytes(), "{rows}");
+        }
     }
 
     /// A table long enough for several threads, against the plain way of making it.

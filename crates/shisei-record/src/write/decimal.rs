@@ -105,6 +105,7 @@ impl<const PLACES: usize> Fixed<PLACES> {
 }
 
 impl<const PLACES: usize> Style for Fixed<PLACES> {
+    #[inline(always)]
     fn prepare(&mut self, values: &[f64; TILE]) {
         for (value, units) in values.iter().zip(&mut self.units) {
             *units = Self::units(*value);

@@ -19,7 +19,7 @@ pub(super) fn eight(n: u64) -> u64 {
 
 /// As [`eight`] of every number; what is made of one that is not below 10^8 means nothing. The loops are plain, so
 /// that they are compiled to vectors of 16-bit lanes.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn eights(numbers: &[u32; TILE], digits: &mut [u64; TILE]) {
     let mut fours = [0u16; 2 * TILE];
     for (n, pair) in numbers.iter().zip(fours.as_chunks_mut::<2>().0) {

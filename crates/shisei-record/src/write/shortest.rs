@@ -12,80 +12,115 @@ const S_MOST: usize = 68;
 /// … and of those below the greatest, 2^24.
 const S_LEAST: usize = 29;
 
-/// For the worth 2^-s of a last bit: the greatest k with 10^-k above it, and 10^k 2^(64-s), both exact.
-const SCALES: [(u64, u32); S_MOST + 1] = {
-    let mut scales = [(0, 0); S_MOST + 1];
-    let mut s = 1;
+/// For the worth 2^-s of a last bit: 10^k 2^(64-s), exact, where k is the greatest with 10^-k above it …
+const POWERS: [u64; TABLE] = {
+    let mut powers = [0; TABLE];
+    let mut s = S_LEAST;
     while s <= S_MOST {
         let mut power = 1u128;
         let mut k = 0;
-        while power * 10 < 1 << s {
+        while k < DECIMALS[s] {
             power *= 10;
             k += 1;
         }
         // 10^k has k factors of two: nothing is lost.
-        scales[s] = (if s > 64 { power >> (s - 64) } else { power << (64 - s) } as u64, k);
+        powers[s] = (if s > 64 { power >> (s - 64) } else { power << (64 - s) }) as u64;
         s += 1;
     }
-    scales
+    powers
 };
 
-/// What is known of a number beside its first 16 digits.
-#[derive(Clone, Copy, Default)]
-struct Known {
-    /// Decimals of the first 16 digits; 0 where the number goes another way.
-    decimals: u8,
-    /// A 17th digit.
-    last: u8,
-    /// Whether it is needed.
-    long: bool,
-}
+/// … and k; 0 where numbers go another way.
+const DECIMALS: [u8; TABLE] = {
+    let mut decimals = [0; TABLE];
+    let mut s = S_LEAST;
+    while s <= S_MOST {
+        let mut power = 1u128;
+        while power * 10 < 1 << s {
+            power *= 10;
+            decimals[s] += 1;
+        }
+        s += 1;
+    }
+    decimals
+};
+
+/// So that any seven bits are a place in the tables.
+const TABLE: usize = 128;
 
 /// Numbers in their shortest form, made ready.
 pub(super) struct Shortest {
-    known: [Known; TILE],
+    /// Decimals of the first 16 digits; 0 where the number goes another way.
+    decimals: [u8; TILE],
+    /// A 17th digit …
+    last: [u8; TILE],
+    /// … and whether it is needed: the highest bit of a word.
+    long: [u64; TILE],
+    /// The digits.
     high: [u64; TILE],
     low: [u64; TILE],
 }
 
 impl Default for Shortest {
     fn default() -> Self {
-        Shortest { known: [Known::default(); TILE], high: [0; TILE], low: [0; TILE] }
+        Shortest { decimals: [0; TILE], last: [0; TILE], long: [0; TILE], high: [0; TILE], low: [0; TILE] }
     }
 }
 
-/// The 15 or 16 digits of the number as a whole one, and what else is known.
+const LOW: u64 = u32::MAX as u64;
+
+/// The product of the lower halves of two words; so written it is one step of a vector.
 #[inline(always)]
-fn decimal(value: f64) -> Option<(u64, Known)> {
-    let bits = value.to_bits();
-    let fraction = bits & ((1 << 52) - 1);
-    let s = 1075u64.wrapping_sub(bits >> 52 & 0x7FF) as usize;
-    if s < S_LEAST || fraction == 0 {
-        return None;
-    }
-    let &(power, decimals) = SCALES.get(s)?;
-    let mantissa = fraction | 1 << 52;
-    let product = u128::from(mantissa) * u128::from(power);
-    let (whole, rest) = ((product >> 64) as u64, product as u64);
+fn halves(a: u64, b: u64) -> u64 {
+    (a & LOW) * (b & LOW)
+}
+
+/// The first 15 or 16 digits of a number as a whole one, in two halves of eight; the 17th digit, and the highest bit
+/// where it is needed.
+#[inline(always)]
+fn decimal(bits: u64, power: u64) -> ([u32; 2], u8, u64) {
+    let mantissa = bits & ((1 << 52) - 1) | 1 << 52;
+    // The product of 53 and 64 bits.
+    let (low, high) = (halves(mantissa, power), halves(mantissa >> 32, power >> 32));
+    let (inner, outer) = (halves(mantissa, power >> 32), halves(mantissa >> 32, power));
+    let middle = (low >> 32) + (inner & LOW) + outer;
+    let rest = middle << 32 | low & LOW;
+    let whole = high + (inner >> 32) + (middle >> 32);
     // Half of the last bit; the ends belong to even numbers. It is less than a half, so one whole number at most is
     // so near.
     let near = (power >> 1) + (1 - (mantissa & 1));
-    let up = rest.overflowing_add(near).1;
+    let up = rest.wrapping_add(near) < rest;
     let down = near > rest;
     // One digit more, to the nearest: of two as near (it is a 5 after 2 or 7) to the even one.
     let half = (1 << 63) - u64::from(rest == 1 << 62);
-    let last = (u128::from(rest) * 10 + u128::from(half)) >> 64;
-    Some((whole + u64::from(up), Known { decimals: decimals as u8, last: last as u8, long: !(up | down) }))
+    let tenfold_low = halves(rest, 10);
+    let tenfold_high = halves(rest >> 32, 10) + (tenfold_low >> 32);
+    let fraction = tenfold_high << 32 | tenfold_low & LOW;
+    let last = (tenfold_high >> 32) + u64::from(fraction.wrapping_add(half) < fraction);
+    let whole = whole + u64::from(up);
+    // Below 2^53: the quotient by 10^8 from the upper bits is right or one too small.
+    let quotient = halves(whole >> 22, 2_882_303_761) >> 36;
+    let remainder = whole - halves(quotient, 100_000_000);
+    let more = u64::from(remainder >= 100_000_000);
+    let eights = [(quotient + more) as u32, (remainder - more * 100_000_000) as u32];
+    (eights, last as u8, u64::from(!(up | down)) << 63)
 }
 
 impl Style for Shortest {
+    #[inline(always)]
     fn prepare(&mut self, values: &[f64; TILE]) {
+        let mut powers = [0u64; TILE];
+        for ((value, power), decimals) in values.iter().zip(&mut powers).zip(&mut self.decimals) {
+            let bits = value.to_bits();
+            let s = 1075u64.wrapping_sub(bits >> 52 & 0x7FF);
+            // Powers of two have neighbours that are not equally far.
+            let known = s < TABLE as u64 && bits << 12 != 0;
+            let place = if known { s as usize % TABLE } else { 0 };
+            (*power, *decimals) = (POWERS[place], DECIMALS[place]);
+        }
         let (mut high, mut low) = ([0u32; TILE], [0u32; TILE]);
-        for (((value, known), high), low) in values.iter().zip(&mut self.known).zip(&mut high).zip(&mut low) {
-            let (whole, found) = decimal(*value).unwrap_or_default();
-            *known = found;
-            *high = (whole / 100_000_000) as u32;
-            *low = (whole % 100_000_000) as u32;
+        for k in 0..TILE {
+            ([high[k], low[k]], self.last[k], self.long[k]) = decimal(values[k].to_bits(), powers[k]);
         }
         eights(&high, &mut self.high);
         eights(&low, &mut self.low);
@@ -93,14 +128,14 @@ impl Style for Shortest {
 
     #[inline(always)]
     fn put(&self, k: usize, value: f64, out: &mut [u8; WINDOW]) -> usize {
-        let Known { decimals, last, long } = self.known[k];
-        let decimals = usize::from(decimals);
+        let decimals = usize::from(self.decimals[k]);
         if decimals == 0 {
             return 0;
         }
-        let (high, low) = (self.high[k], self.low[k]);
+        let (high, low, last, long) = (self.high[k], self.low[k], self.last[k], self.long[k]);
         // Zeros at the end are left out, unless a 17th digit follows.
-        let digits = u128::from(low) << 64 | u128::from(high) | u128::from(long) << 127;
+        let digits = u128::from(low | long) << 64 | u128::from(high);
+        let long = (long >> 63) as usize;
         let zeros = digits.leading_zeros() as usize / 8;
         let missing = usize::from(high.trailing_zeros() >= 8); // of 16 digits
         out[0] = b'-';
@@ -108,18 +143,18 @@ impl Style for Shortest {
         let (high, low) = (high | ZEROS, low | ZEROS);
         if missing + decimals >= 16 {
             // Below 1. The place of a missing first digit is that of a 0 or of the point.
-            let start = at + decimals - 14;
+            let start = (at + decimals - 14) % 16; // at most 7
             store(out, at, ZEROS);
             store(out, start, high);
             store(out, start + 8, low);
             out[at + 1] = b'.';
             out[start + 16] = b'0' + last;
-            return start + 16 - zeros + usize::from(long);
+            return start + 16 - zeros + long;
         }
         // The digits with one place more before them are right from the point on; the whole part, of eight digits
         // at most and mostly of one, is put over them.
         let whole = 16 - missing - decimals;
-        let start = at + 1 - missing;
+        let start = (at + 1 - missing) % 4;
         store(out, start, high);
         store(out, start + 8, low);
         out[start + 16] = b'0' + last;
@@ -133,7 +168,7 @@ impl Style for Shortest {
             store(out, at, first);
             out[at + 8] = b'.';
         }
-        if zeros >= decimals { at + whole } else { start + 16 - zeros + usize::from(long) }
+        if zeros >= decimals { at + whole } else { start + 16 - zeros + long }
     }
 
     #[cold]
