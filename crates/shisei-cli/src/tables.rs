@@ -3,9 +3,11 @@
 use std::io::{self, Write};
 use std::path::Path;
 
-use shisei_core::orient::Orientation;
+use shisei_core::orient::{Later, Orientation};
+use shisei_core::{Error, Quaternion};
 use shisei_record::Recording;
-use shisei_record::write::{self, Column, Decimals};
+use shisei_record::write::{self, Column, Decimals, Made};
+use shisei_wide::Vectors;
 
 use crate::output::Kind;
 
@@ -47,30 +49,16 @@ pub fn orientation(
     out: &mut dyn Write,
     format: Format,
     recording: &Recording,
-    orientation: &Orientation,
-    ypr_rad: &[[f64; 3]],
+    (found, later): (&Orientation, &mut Later<'_>),
     (unit, per_rad): (&str, f64),
-) -> io::Result<()> {
-    let quaternions = &orientation.world_from_body;
+) -> io::Result<AngleRanges> {
+    let mut rows = Rows::of(found, later, per_rad);
     let with_unit = |name: &str| format!("{name}_{unit}");
     let angle_names = ["yaw", "pitch", "roll"].map(with_unit);
     let sigma_names = ["sigma_tilt", "sigma_heading"].map(with_unit);
-    let parts = [0, 1, 2, 3].map(|i| {
-        move |start: usize, out: &mut [f64]| {
-            for (value, q) in out.iter_mut().zip(quaternions.iter().skip(start)) {
-                *value = q.to_array()[i];
-            }
-        }
-    });
-    let angles = [0, 1, 2].map(|i| {
-        move |start: usize, out: &mut [f64]| {
-            for (value, ypr) in out.iter_mut().zip(ypr_rad.iter().skip(start)) {
-                *value = ypr[i] * per_rad;
-            }
-        }
-    });
-    let certainty = orientation.certainty.as_ref();
-    let sigmas = certainty
+    let sigmas = found
+        .certainty
+        .as_ref()
         .map_or([[].as_slice(); 2], |c| [c.sigma_tilt_rad.as_slice(), &c.sigma_heading_rad])
         .map(|sigma| {
             move |start: usize, out: &mut [f64]| {
@@ -79,29 +67,97 @@ pub fn orientation(
                 }
             }
         });
-
-    let rows = quaternions.len();
     let mut names = vec!["time_s", "q_w", "q_x", "q_y", "q_z"];
-    let mut columns = vec![Column::Numbers(&recording.time_s)];
-    columns.extend(parts.iter().map(|fill| Column::Computed { rows, fill }));
     names.extend(angle_names.iter().map(String::as_str));
-    columns.extend(angles.iter().map(|fill| Column::Computed { rows, fill }));
-    if let Some(certainty) = certainty {
+    let before = [Column::Numbers(&recording.time_s)];
+    let mut after = Vec::new();
+    if let Some(certainty) = &found.certainty {
         names.extend(sigma_names.iter().map(String::as_str));
-        columns.extend(sigmas.iter().map(|fill| Column::Computed { rows, fill }));
+        after.extend(sigmas.iter().map(|fill| Column::Computed { rows: recording.len(), fill }));
         names.push("rest");
-        columns.push(Column::Flags(&certainty.rest));
+        after.push(Column::Flags(&certainty.rest));
     }
     for extra in &recording.extra {
         names.push(&extra.name);
-        columns.push(Column::Texts(&extra.cells));
+        after.push(Column::Texts(&extra.cells));
     }
     match format {
-        Format::Csv => write::csv(out, &names, &columns, Decimals::Shortest),
+        Format::Csv => {
+            let mut next = |out: &mut [f64]| rows.next(out);
+            let mut made = Made { rows: recording.len(), columns: Rows::COLUMNS, next: &mut next };
+            write::csv_made(out, &names, (&before, &mut made, &after), Decimals::Shortest)?;
+        }
         Format::Parquet => {
+            let mut made = vec![0.0; recording.len() * Rows::COLUMNS];
+            rows.next(&mut made);
+            let mut columns = before.to_vec();
+            columns.extend(made.chunks(recording.len()).map(Column::Numbers));
+            columns.extend(after);
             let mut bytes = Vec::new();
             shisei_record::parquet_write::parquet(&mut bytes, &names, &columns)?;
-            out.write_all(&bytes)
+            out.write_all(&bytes)?;
+        }
+    }
+    rows.failed.map_or(Ok(rows.ranges), |error| Err(io::Error::other(error)))
+}
+
+/// Least and greatest yaw, pitch, roll, rad.
+pub type AngleRanges = [(f64, f64); 3];
+
+/// Attitudes and angles, row after row.
+struct Rows<'a, 'b> {
+    found: &'a Orientation,
+    later: &'a mut Later<'b>,
+    /// The attitudes of the rows at hand.
+    chunk: Orientation,
+    per_rad: f64,
+    ranges: AngleRanges,
+    failed: Option<Error>,
+}
+
+impl<'a, 'b> Rows<'a, 'b> {
+    /// `q_w … q_z, yaw, pitch, roll`
+    const COLUMNS: usize = 7;
+
+    fn of(found: &'a Orientation, later: &'a mut Later<'b>, per_rad: f64) -> Self {
+        let chunk = Orientation {
+            world_from_body: Vec::new(),
+            start: found.start,
+            rest: None,
+            gyro_bias_rad_s: found.gyro_bias_rad_s,
+            relative: found.relative,
+            certainty: None,
+            learnt: None,
+        };
+        let ranges = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+        Rows { found, later, chunk, per_rad, ranges, failed: None }
+    }
+
+    /// The next rows, column after column.
+    fn next(&mut self, out: &mut [f64]) {
+        let count = out.len() / Self::COLUMNS;
+        self.chunk.world_from_body.resize(count, Quaternion::IDENTITY);
+        if let Err(error) = self.later.next(self.found, &mut self.chunk.world_from_body) {
+            self.failed.get_or_insert(error);
+        }
+        let ypr_rad = Vectors::widest().ypr_rad(&self.chunk);
+        let mut columns = out.chunks_exact_mut(count.max(1));
+        for part in 0..4 {
+            let column = columns.next().unwrap_or_default();
+            for (value, q) in column.iter_mut().zip(&self.chunk.world_from_body) {
+                *value = q.to_array()[part];
+            }
+        }
+        for (angle, range) in self.ranges.iter_mut().enumerate() {
+            let column = columns.next().unwrap_or_default();
+            let (mut least, mut most) = *range;
+            for (value, ypr) in column.iter_mut().zip(&ypr_rad) {
+                let rad = ypr[angle];
+                least = if rad < least { rad } else { least };
+                most = if rad > most { rad } else { most };
+                *value = rad * self.per_rad;
+            }
+            *range = (least, most);
         }
     }
 }

@@ -6,7 +6,9 @@
 //! levelled by the first half second of acceleration, with the yaw it had.
 
 mod estimated;
+mod stretches;
 
+use alloc::boxed::Box;
 use alloc::vec::Vec;
 use core::ops::Range;
 
@@ -20,6 +22,7 @@ use crate::quaternion::Quaternion;
 use crate::rest::{self, RestSettings};
 use crate::vector::{self, Vec3};
 use crate::{Ypr, heading, initial};
+use stretches::{Series, Stretches, Unbiased};
 
 /// A step longer than this is a gap, s.
 pub const GAP_S: f64 = 0.5;
@@ -194,6 +197,61 @@ pub fn orient_with(
     settings: &Settings,
     pair: &impl Pair,
 ) -> Result<Orientation> {
+    let (mut found, mut later) = begin(acc_m_s2, gyro_rad_s, dt_s, settings, pair)?;
+    later.complete(&mut found)?;
+    Ok(found)
+}
+
+/// The attitudes of a recording from the first row to the last: those that are known already, and then those that are
+/// made when they are asked for.
+pub struct Later<'a> {
+    series: Option<Box<dyn Series + 'a>>,
+    rows: usize,
+    /// The row that is next.
+    row: usize,
+}
+
+impl core::fmt::Debug for Later<'_> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        write!(f, "Later {} of {}", self.row, self.rows)
+    }
+}
+
+impl Later<'_> {
+    /// The attitudes of the next rows, `world_from_body`, where `found` is what [`begin`] found; refused beyond the
+    /// last row.
+    pub fn next(&mut self, found: &Orientation, out: &mut [Quaternion]) -> Result<()> {
+        let known = found.world_from_body.get(self.row..).unwrap_or_default();
+        self.row += out.len();
+        let (first, others) = out.split_at_mut(known.len().min(out.len()));
+        first.copy_from_slice(&known[..first.len()]);
+        match &mut self.series {
+            Some(series) => series.next(others),
+            None => filter::same_length(others.len(), 0),
+        }
+    }
+
+    /// Makes all attitudes known at once; refused after [`next`](Later::next).
+    pub fn complete(&mut self, found: &mut Orientation) -> Result<()> {
+        filter::same_length(self.rows, self.rows - self.row)?;
+        if let Some(mut series) = self.series.take() {
+            let known = found.world_from_body.len();
+            found.world_from_body.resize(self.rows, Quaternion::IDENTITY);
+            series.next(&mut found.world_from_body[known..])?;
+        }
+        Ok(())
+    }
+}
+
+/// As [`orient_with`], but of the classic filters' attitudes only some of the first are found, and the others are made
+/// when they are asked for.
+pub fn begin<'a>(
+    acc_m_s2: &'a [Vec3],
+    gyro_rad_s: &'a [Vec3],
+    dt_s: &'a [f64],
+    settings: &Settings,
+    pair: &impl Pair,
+) -> Result<(Orientation, Later<'a>)> {
     filter::same_length(acc_m_s2.len(), gyro_rad_s.len())?;
     if acc_m_s2.is_empty() {
         return Err(Error::Empty);
@@ -238,24 +296,27 @@ pub fn orient_with(
             found.start = turn.product(found.start);
             found.world_from_body.iter_mut().for_each(|q| *q = turn.product(*q));
         }
-        return Ok(found);
+        return Ok((found, Later { series: None, rows: acc_m_s2.len(), row: 0 }));
     }
     if let Some(axis) = settings.forward_axis_body {
         found.start = heading::from_forward_axis(level, axis)?.product(level);
     }
     let start = found.start;
     let data = Data { acc: acc_m_s2, gyro: gyro_rad_s, dt: dt_s, bias: gyro_bias_rad_s };
-    found.world_from_body = match settings.method {
+    let (earlier, series) = match settings.method {
         Method::Gyro => data.run(origin, start, GyroIntegrator::new),
         Method::GyroRk4 => data.run(origin, start, GyroRk4::new),
-        Method::Mahony { kp, ki } => data.run(origin, start, |q| Mahony::new(q, kp, ki)),
+        Method::Mahony { kp, ki } => data.run(origin, start, move |q| Mahony::new(q, kp, ki)),
         Method::MahonyAdaptive { gain, ki } => {
-            data.run(origin, start, |q| MahonyAdaptive::new(q, gain, ki, gravity))
+            data.run(origin, start, move |q| MahonyAdaptive::new(q, gain, ki, gravity))
         }
-        Method::Complementary { alpha } => data.run(origin, start, |q| Complementary::new(q, alpha, gravity)),
-        Method::Estimate | Method::EstimateOnline => Ok(Vec::new()), // done above
+        Method::Complementary { alpha } => {
+            data.run(origin, start, move |q| Complementary::new(q, alpha, gravity))
+        }
+        Method::Estimate | Method::EstimateOnline => return Err(Error::Empty), // done above
     }?;
-    Ok(found)
+    found.world_from_body = earlier;
+    Ok((found, Later { series: Some(series), rows: acc_m_s2.len(), row: 0 }))
 }
 
 impl Method {
@@ -309,84 +370,30 @@ struct Data<'a> {
     bias: Vec3,
 }
 
-impl Data<'_> {
-    /// Attitudes of all rows from the attitude `start` at row `origin`.
-    fn run<F: Filter>(
+impl<'a> Data<'a> {
+    /// Attitudes of the rows before `origin`, where the attitude is `start`, and what makes the others.
+    fn run<F: Filter + 'a>(
         &self,
         origin: usize,
         start: Quaternion,
-        make: impl Fn(Quaternion) -> Result<F>,
-    ) -> Result<Vec<Quaternion>> {
-        let make = |q| make(q).map(|filter| Unbiased { filter, bias: self.bias });
-        let mut out = alloc::vec![Quaternion::IDENTITY; self.acc.len()];
-        let (earlier, later) = out.split_at_mut(origin);
-        stretches(&make, start, &self.gyro[origin..], &self.acc[origin..], &self.dt[origin..], later)?;
+        make: impl Fn(Quaternion) -> Result<F> + Copy + 'a,
+    ) -> Result<(Vec<Quaternion>, Box<dyn Series + 'a>)> {
+        let with_bias = |bias| move |q| make(q).map(|filter| Unbiased { filter, bias });
+        let mut earlier = alloc::vec![Quaternion::IDENTITY; origin];
         if origin > 0 {
             // Backward: the step from row k + 1 to row k undoes the turn of sample k + 1, so that the rate and the
             // bias change sign.
-            let make = |q| make(q).map(|filter| Unbiased { bias: vector::scale(self.bias, -1.0), ..filter });
             let turns: Vec<Vec3> = (0..origin).rev().map(|k| vector::scale(self.gyro[k + 1], -1.0)).collect();
             let acc: Vec<Vec3> = self.acc[..origin].iter().rev().copied().collect();
             let steps: Vec<f64> = (0..origin).rev().map(|k| self.dt[k + 1]).collect();
-            stretches(&make, start, &turns, &acc, &steps, earlier)?;
+            let make = with_bias(vector::scale(self.bias, -1.0));
+            Stretches::new(make, start, (&turns, &acc, &steps))?.next(&mut earlier)?;
             earlier.reverse();
         }
-        Ok(out)
+        let later = (&self.gyro[origin..], &self.acc[origin..], &self.dt[origin..]);
+        let later = Stretches::new(with_bias(self.bias), start, later)?;
+        Ok((earlier, Box::new(later)))
     }
-}
-
-/// A filter that is given rates with a bias.
-struct Unbiased<F> {
-    filter: F,
-    bias: Vec3,
-}
-
-impl<F: Filter> Filter for Unbiased<F> {
-    #[inline]
-    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quaternion {
-        self.filter.update(vector::sub(gyro_rad_s, self.bias), acc_m_s2, dt_s)
-    }
-
-    fn orientation(&self) -> Quaternion {
-        self.filter.orientation()
-    }
-}
-
-/// Runs the filter from gap to gap.
-fn stretches<F: Filter>(
-    make: &impl Fn(Quaternion) -> Result<F>,
-    start: Quaternion,
-    rates: &[Vec3],
-    acc: &[Vec3],
-    dt_s: &[f64],
-    out: &mut [Quaternion],
-) -> Result<()> {
-    let mut from = 0;
-    let mut q = start;
-    while from < rates.len() {
-        let end = (from + 1..rates.len()).find(|&k| dt_s[k] > GAP_S).unwrap_or(rates.len());
-        let mut filter = make(q)?;
-        let mut first = from;
-        if from > 0 || dt_s[from] > GAP_S {
-            // What happened in the gap is unknown: its step is not integrated.
-            out[from] = q;
-            first += 1;
-        }
-        let stretch = first..end;
-        filter::run_into(
-            &mut filter,
-            &rates[stretch.clone()],
-            &acc[stretch.clone()],
-            Dt::PerSample(&dt_s[stretch.clone()]),
-            &mut out[stretch],
-        )?;
-        if end < rates.len() {
-            let level = rest::mean(&acc[end..after(dt_s, end, LEVEL_S)])?;
-            q = initial::level(out[end - 1], level);
-        }
-        from = end;
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
 use shisei_core::filter::AdaptiveGain;
-use shisei_core::orient::{self, Method, Orientation, RestChoice};
+use shisei_core::orient::{self, Later, Method, Orientation, RestChoice};
 use shisei_core::{Error, Lang, heading, rest};
 use shisei_record::calibration::CalibrationFile;
 use shisei_record::{Options, Recording};
@@ -15,7 +15,7 @@ use crate::calibration;
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source, Unopened};
 use crate::output::{self, Kind, Writer};
-use crate::tables::{self, Format};
+use crate::tables::{self, AngleRanges, Format};
 use crate::threads::SideBySide;
 use crate::{batch, summary};
 
@@ -46,9 +46,10 @@ pub enum Rest {
 pub struct Done {
     pub source: Source,
     pub recording: Recording,
+    /// Without the attitudes, save where they were drawn.
     pub orientation: Orientation,
     /// Least and greatest yaw, pitch, roll, rad.
-    pub angle_ranges: [(f64, f64); 3],
+    pub angle_ranges: AngleRanges,
     pub warnings: Vec<String>,
     pub outputs: Vec<PathBuf>,
 }
@@ -158,9 +159,14 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     if let Some(file) = &plan.calibration {
         calibration::apply(file, &mut recording, lang).map_err(refuse)?;
     }
-    let orientation = compute(plan, source, &recording).map_err(refuse)?;
+    let (mut orientation, mut later) = compute(plan, source, &recording).map_err(refuse)?;
     let warnings = warnings(plan, &recording, &orientation);
-    let ypr_rad = Vectors::widest().ypr_rad(&orientation);
+    let drawn = places.html.is_some() || places.png.is_some();
+    if drawn {
+        let refused = |error| refuse(Failure::core(&source.shown(), error, lang));
+        later.complete(&mut orientation).map_err(refused)?;
+    }
+    let ypr_rad = if drawn { Vectors::widest().ypr_rad(&orientation) } else { Vec::new() };
     let report = summary::report(plan, source, &recording, &orientation, &ypr_rad, &warnings);
 
     // Everything is made under temporary names before anything is in its place.
@@ -188,26 +194,19 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
         outputs.push(path.clone());
     }
     let (unit, factor) = if plan.args.degrees { ("deg", DEG_PER_RAD) } else { ("rad", 1.0) };
+    let mut angle_ranges = AngleRanges::default();
     let table = |out: &mut dyn std::io::Write| {
-        tables::orientation(out, format, &recording, &orientation, &ypr_rad, (unit, factor))
+        let attitudes = (&orientation, &mut later);
+        angle_ranges = tables::orientation(out, format, &recording, attitudes, (unit, factor))?;
+        Ok(())
     };
     staged.push(plan.writer.stage(&places.csv, kind, table).map_err(refuse)?);
     plan.writer.finish(staged).map_err(refuse)?;
-    let angle_ranges = ranges(&ypr_rad);
+    drop(later);
     Ok(Done { source: source.clone(), recording, orientation, angle_ranges, warnings, outputs })
 }
 
-fn ranges(ypr_rad: &[[f64; 3]]) -> [(f64, f64); 3] {
-    let mut ranges = [(f64::INFINITY, f64::NEG_INFINITY); 3];
-    for ypr in ypr_rad {
-        for (range, &angle) in ranges.iter_mut().zip(ypr) {
-            *range = (range.0.min(angle), range.1.max(angle));
-        }
-    }
-    ranges
-}
-
-fn compute(plan: &Plan, source: &Source, recording: &Recording) -> Outcome<Orientation> {
+fn compute<'a>(plan: &Plan, source: &Source, recording: &'a Recording) -> Outcome<(Orientation, Later<'a>)> {
     let lang = plan.lang;
     let choice = match plan.rest {
         Rest::Auto => RestChoice::Auto,
@@ -237,7 +236,7 @@ fn compute(plan: &Plan, source: &Source, recording: &Recording) -> Outcome<Orien
     };
     let settings = orient::Settings { rest: choice, ..plan.settings };
     let (acc, gyro, dt) = (&recording.acc_m_s2, &recording.gyro_rad_s, &recording.dt_s);
-    orient::orient_with(acc, gyro, dt, &settings, &SideBySide).map_err(|error| {
+    orient::begin(acc, gyro, dt, &settings, &SideBySide).map_err(|error| {
         if let Error::NoRest { needed_s } = error {
             return Failure::condition(say(
                 lang,

@@ -1,0 +1,90 @@
+//! A filter from gap to gap, as many rows at a time as are asked for.
+
+use super::{GAP_S, LEVEL_S, after};
+use crate::error::Result;
+use crate::filter::{self, Dt, Filter};
+use crate::quaternion::Quaternion;
+use crate::vector::{self, Vec3};
+use crate::{initial, rest};
+
+/// Attitudes that are made in order.
+pub(super) trait Series {
+    /// The attitudes of the next rows.
+    fn next(&mut self, out: &mut [Quaternion]) -> Result<()>;
+}
+
+/// A filter that is given rates with a bias.
+pub(super) struct Unbiased<F> {
+    pub filter: F,
+    pub bias: Vec3,
+}
+
+impl<F: Filter> Filter for Unbiased<F> {
+    #[inline]
+    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quaternion {
+        self.filter.update(vector::sub(gyro_rad_s, self.bias), acc_m_s2, dt_s)
+    }
+
+    fn orientation(&self) -> Quaternion {
+        self.filter.orientation()
+    }
+}
+
+/// Starts the filter anew at every gap.
+pub(super) struct Stretches<'a, F, M> {
+    make: M,
+    filter: F,
+    rates: &'a [Vec3],
+    acc: &'a [Vec3],
+    dt_s: &'a [f64],
+    row: usize,
+    /// The attitude of the row before, or at the start.
+    last: Quaternion,
+}
+
+impl<'a, F: Filter, M: Fn(Quaternion) -> Result<F>> Stretches<'a, F, M> {
+    /// Rates, accelerations and steps, one a row.
+    pub fn new(
+        make: M,
+        start: Quaternion,
+        (rates, acc, dt_s): (&'a [Vec3], &'a [Vec3], &'a [f64]),
+    ) -> Result<Self> {
+        let filter = make(start)?;
+        Ok(Stretches { make, filter, rates, acc, dt_s, row: 0, last: start })
+    }
+}
+
+impl<F: Filter, M: Fn(Quaternion) -> Result<F>> Series for Stretches<'_, F, M> {
+    fn next(&mut self, out: &mut [Quaternion]) -> Result<()> {
+        filter::same_length(out.len(), out.len().min(self.rates.len() - self.row))?;
+        let mut done = 0;
+        while done < out.len() {
+            let row = self.row;
+            let mut first = done;
+            if self.dt_s[row] > GAP_S {
+                // What happened in the gap is unknown: its step is not integrated.
+                if row > 0 {
+                    let level = rest::mean(&self.acc[row..after(self.dt_s, row, LEVEL_S)])?;
+                    self.last = initial::level(self.last, level);
+                    self.filter = (self.make)(self.last)?;
+                }
+                out[done] = self.last;
+                first += 1;
+            }
+            let most = row + (out.len() - done);
+            let end = (row + 1..most).find(|&k| self.dt_s[k] > GAP_S).unwrap_or(most);
+            let stretch = row + (first - done)..end;
+            done += end - row;
+            filter::run_into(
+                &mut self.filter,
+                &self.rates[stretch.clone()],
+                &self.acc[stretch.clone()],
+                Dt::PerSample(&self.dt_s[stretch]),
+                &mut out[first..done],
+            )?;
+            self.last = out[done - 1];
+            self.row = end;
+        }
+        Ok(())
+    }
+}
