@@ -1,7 +1,7 @@
 """Our kernels and files beside named programs, in turns, on one core. Called by `cargo xtask bench speed`.
 
 Processor time is taken, of the system's part too: on a quiet machine it is the time by the clock, on another one it is
-what can still be compared. Only the last line, two cores against one, goes by the clock.
+what can still be compared. Only the last lines, of two cores, go by the clock.
 
 Usage: speed.py EXAMPLES SHISEI FOLDER ROWS ROUNDS. EXAMPLES holds the examples `arithmetic` of shisei-wide and
 `kernels` of shisei-record. Prints medians, ratios and whether each is within its limit; ends with 1 where one is not.
@@ -127,6 +127,21 @@ def written(path, text):
         out.write(text)
 
 
+def replaced(path, text):
+    """As `shisei orient` must: whole or not at all, so under another name and then in the place of the old file."""
+    written(path + ".tmp", text)
+    os.replace(path + ".tmp", path)
+
+
+def warmed(run):
+    """Takes memory, touches it and gives it back before the run. A virtual machine may have handed what was free to its
+    host, and the next to touch it pays for that: whoever's turn it happens to be."""
+    def warm_run():
+        numpy.ones(80_000_000)
+        return run()
+    return warm_run
+
+
 def ours(examples, folder):
     programs = {
         "arithmetic": ["floor", "mahony", "mahony-plain", "mahony-many", "gyro", "gyro-plain-vectors", "ypr",
@@ -181,29 +196,43 @@ def file_peers(folder, shisei):
         "polars write, shortest": timed(lambda: table.write_csv(other)),
         "shisei orient, mahony": timed_program(orient),
         "wc -l": timed_program(["wc", "-l", source]),
-        "write ready bytes": timed(lambda: written(os.path.join(folder, "ready.csv"), ready)),
+        "write ready bytes": timed(lambda: replaced(os.path.join(folder, "ready.csv"), ready)),
     }
 
 
 def many_files(folder, shisei, cores, rounds):
-    """Seconds for a directory of recordings on one core and on two."""
+    """Seconds for a directory of recordings on one core, on two, and by two processes with a core each."""
     inputs, outputs = os.path.join(folder, "many"), os.path.join(folder, "many-out")
     os.makedirs(inputs, exist_ok=True)
     with open(os.path.join(folder, "big.csv"), "rb") as big:
         text = b"".join(big.readline() for _ in range(3_001))
-    for k in range(1_000):
-        written(os.path.join(inputs, f"{k:04}.csv"), text)
-    command = [shisei, "orient", inputs, "-o", outputs, "--no-report", "--filter", "mahony"]
-    found = {1: [], 2: []}
+    files = [os.path.join(inputs, f"{k:04}.csv") for k in range(1_000)]
+    for path in files:
+        written(path, text)
+
+    def seconds(jobs):
+        started = time.perf_counter()
+        running = []
+        for files, on in jobs:
+            os.sched_setaffinity(0, on)
+            command = [shisei, "orient", *files, "-o", outputs, "--no-report", "--filter", "mahony"]
+            running.append(subprocess.Popen(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL))
+        if any([process.wait() for process in running]):
+            raise SystemExit("shisei orient failed on a directory")
+        return time.perf_counter() - started
+
+    ways = {
+        "one core": [([inputs], cores[:1])],
+        "two cores": [([inputs], cores[:2])],
+        "two processes": [(files[:500], cores[:1]), (files[500:], cores[1:2])],
+    }
+    found = {name: [] for name in ways}
     for _ in range(rounds):
-        for count, seconds in found.items():
-            os.sched_setaffinity(0, cores[:count])
-            started = time.perf_counter()
-            subprocess.run(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, check=True)
-            seconds.append(time.perf_counter() - started)
+        for name, jobs in ways.items():
+            found[name].append(warmed(lambda: seconds(jobs))())
     os.sched_setaffinity(0, cores[:1])
     shutil.rmtree(outputs)
-    return {count: statistics.median(seconds) for count, seconds in found.items()}
+    return {name: statistics.median(all) for name, all in found.items()}
 
 
 def main():
@@ -221,7 +250,8 @@ def main():
     runs, samples = ours(examples, folder), {}
     for name, (work, count) in arithmetic_peers(gyr, acc, folder).items():
         runs[name], samples[name] = timed(work), count
-    runs |= file_peers(folder, shisei)
+    files = file_peers(folder, shisei) | {name: runs[name] for name in runs if name.startswith("csv-")}
+    runs |= {name: warmed(run) for name, run in files.items()}
     seconds = {name: [] for name in runs}
     for turn in range(rounds + 1):
         for name, run in runs.items():
@@ -256,7 +286,10 @@ def main():
         ("shisei orient / (wc -l + writing ready bytes)", m["shisei orient, mahony"] / floor, "<=", 2.5),
     ]
     if both:
-        checks.append(("1,000 files: two cores against one", both[1] / both[2], ">=", 1.7))
+        one, two, apart = (both[name] for name in ["one core", "two cores", "two processes"])
+        print(f"  1,000 files: {one:.2f} s on one core, {two:.2f} s on two, {apart:.2f} s by two processes, a core each")
+        checks.append(("1,000 files: two cores against one", one / two, ">=", 1.7))
+        checks.append(("1,000 files: two cores against two processes", apart / two, ">=", 0.95))
     missed = 0
     for name, ratio, sign, limit in checks:
         good = ratio <= limit if sign == "<=" else ratio >= limit
