@@ -14,7 +14,7 @@ use crate::run::{must, output_of, show};
 
 const MANIFEST: &str = "fuzz/Cargo.toml";
 
-/// Feedback for libFuzzer: LLVM's own coverage pass. The core and its doors have no unsafe code, so that an address
+/// Feedback for libFuzzer: LLVM's own coverage pass. No unsafe code of ours touches bytes of input, so that an address
 /// sanitizer, which needs a nightly compiler, would only cost speed.
 const COVERAGE: &str = "--cfg fuzzing -Ccodegen-units=1 -Cpasses=sancov-module \
     -Cllvm-args=-sanitizer-coverage-level=4 -Cllvm-args=-sanitizer-coverage-inline-8bit-counters \

@@ -91,7 +91,7 @@ pub fn orientation(
             let mut made = vec![0.0; recording.len() * Rows::COLUMNS];
             rows.next(&mut made);
             let mut columns = before.to_vec();
-            columns.extend(made.chunks(recording.len()).map(Column::Numbers));
+            columns.extend(made.chunks(recording.len().max(1)).map(Column::Numbers));
             columns.extend(after);
             let mut bytes = Vec::new();
             shisei_record::parquet_write::parquet(&mut bytes, &names, &columns)?;
