@@ -43,7 +43,9 @@ mod sse2;
 
 #[cfg(target_arch = "x86_64")]
 use self::{avx2::Avx2, avx512::Avx512, sse2::Sse2 as Plain};
-use shisei_core::filter::{Dt, Filter, GyroOnly, Readings, run_gyro_in_lanes, run_into, run_many_in_lanes};
+use shisei_core::filter::{
+    Dt, Filter, GyroOnly, Readings, run_gyro_in_lanes, run_gyro_into, run_into, run_many_in_lanes,
+};
 #[cfg(not(target_arch = "x86_64"))]
 use shisei_core::lanes::Portable;
 use shisei_core::orient::Orientation;
@@ -181,7 +183,7 @@ wide! {
 }
 
 wide! {
-    /// [`run_gyro_into`](shisei_core::filter::run_gyro_into). For AVX-512 the parts that go together would be twice as
+    /// [`run_gyro_into`]. For AVX-512 the parts that go together would be twice as
     /// long, and memory is faster in short ones.
     run_gyro_into@Avx2<F: GyroOnly, O: AttitudeRow>(
         filter: &mut F,
@@ -189,7 +191,11 @@ wide! {
         dt: Dt<'_>,
         out: &mut [O],
     ) -> Result<()> {
-        run_gyro_in_lanes::<N, Vector, F, O>(filter, gyro_rad_s, dt, out)
+        if cfg!(target_arch = "x86_64") {
+            run_gyro_in_lanes::<N, Vector, F, O>(filter, gyro_rad_s, dt, out)
+        } else {
+            run_gyro_into(filter, gyro_rad_s, dt, out)
+        }
     }
 }
 
