@@ -2,6 +2,7 @@
 
 mod lanes;
 
+use crate::lanes::Lanes;
 use crate::math;
 use crate::quaternion::Quaternion;
 pub(crate) use lanes::{BLOCK, Components, ypr_lanes};
@@ -73,12 +74,29 @@ impl Quaternion {
 }
 
 /// What an attitude may be written as: [`Quaternion`], `[w, x, y, z]`, [`Ypr`] or `[yaw, pitch, roll]`.
-pub trait AttitudeRow: From<Quaternion> {
+pub trait AttitudeRow: From<Quaternion> + Copy {
     /// Whether it is made of angles: several of them at once are faster than one by one, with the same bits.
     const ANGLES: bool = false;
 
     /// From yaw, pitch, roll, rad; asked for only of [`ANGLES`](AttitudeRow::ANGLES).
     fn from_angles(ypr_rad: [f64; 3]) -> Self;
+
+    /// Writes attitudes of unit norm that stand side by side.
+    #[inline(always)]
+    fn write<const N: usize, L: Lanes<N>>(attitudes: [L; 4], rows: [&mut Self; N]) {
+        if Self::ANGLES {
+            let [w, x, y, z] = attitudes.map(L::to_array);
+            for (row, ypr_rad) in rows.into_iter().zip(ypr_lanes(&w, &x, &y, &z)) {
+                *row = Self::from_angles(ypr_rad);
+            }
+        } else {
+            let mut components = [[0.0; 4]; N];
+            L::write_rows(attitudes, components.each_mut());
+            for (row, q) in rows.into_iter().zip(components) {
+                *row = Self::from(Quaternion::from_array(q));
+            }
+        }
+    }
 }
 
 impl AttitudeRow for Quaternion {
@@ -90,6 +108,11 @@ impl AttitudeRow for Quaternion {
 impl AttitudeRow for [f64; 4] {
     fn from_angles(ypr_rad: [f64; 3]) -> Self {
         Quaternion::from_angles(ypr_rad).to_array()
+    }
+
+    #[inline(always)]
+    fn write<const N: usize, L: Lanes<N>>(attitudes: [L; 4], rows: [&mut Self; N]) {
+        L::write_rows(attitudes, rows);
     }
 }
 

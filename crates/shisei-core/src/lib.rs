@@ -31,6 +31,7 @@ pub mod frames;
 pub mod fuse;
 pub mod heading;
 pub mod initial;
+pub mod lanes;
 pub mod least_squares;
 pub mod math;
 pub mod matrix;

@@ -4,8 +4,21 @@
 //! coordinates in frame a: `v_a = q v_b q*`.
 
 use crate::error::{Error, Result};
+use crate::lanes::Number;
 use crate::math;
 use crate::vector::{self, Vec3};
+
+/// Hamilton product `a ⊗ b` of components w, x, y, z, as [`Quaternion::product`].
+#[inline(always)]
+pub(crate) fn product<T: Number>(a: [T; 4], b: [T; 4]) -> [T; 4] {
+    let ([aw, ax, ay, az], [bw, bx, by, bz]) = (a, b);
+    [
+        aw * bw - ax * bx - ay * by - az * bz,
+        aw * bx + ax * bw + ay * bz - az * by,
+        aw * by - ax * bz + ay * bw + az * bx,
+        aw * bz + ax * by - ay * bx + az * bw,
+    ]
+}
 
 /// A quaternion w + xi + yj + zk; of unit norm unless a function says otherwise.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -98,13 +111,7 @@ impl Quaternion {
     /// Hamilton product `self ⊗ other`: first `other`, then `self`.
     #[inline(always)]
     pub fn product(self, other: Self) -> Self {
-        let (a, b) = (self, other);
-        Quaternion::new(
-            a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z,
-            a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
-            a.w * b.y - a.x * b.z + a.y * b.w + a.z * b.x,
-            a.w * b.z + a.x * b.y - a.y * b.x + a.z * b.w,
-        )
+        Quaternion::from_array(product(self.to_array(), other.to_array()))
     }
 
     /// `q v q*`: coordinates of v in the left frame.

@@ -2,6 +2,7 @@
 //!
 //! One attitude alone goes the same way, so that a row's bits do not depend on how many are asked for.
 
+use core::array::from_fn;
 use core::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI, TAU};
 
 use super::GIMBAL_LOCK_COS;
@@ -48,21 +49,19 @@ impl Components {
 /// tan(π/8): up to here the polynomial goes.
 const TAN_PI_8: f64 = 0.41421356237309503;
 
-/// (atan t − t)/t³ as a polynomial in t², fitted at Chebyshev points over 0 ≤ t ≤ tan(π/8); it is right to 2e-17
-/// there.
-const ARCTANGENT: [f64; 12] = [
-    -0.33333333333333304,
-    0.1999999999998446,
-    -0.14285714283334022,
-    0.11111110942473049,
-    -0.09090902431886747,
-    0.07692146306604492,
-    -0.06664137183983336,
-    0.05856070059267024,
-    -0.050815410000958405,
-    0.03942490403205619,
-    -0.020369454265471636,
-    0.0018902934535572071,
+/// (atan t − t)/t³ as a polynomial in t², fitted at Chebyshev points over 0 ≤ t ≤ tan(π/8); the arctangent is right to
+/// 6e-17 there.
+const ARCTANGENT: [f64; 10] = [
+    -0.3333333333333325,
+    0.19999999999898407,
+    -0.1428571426609662,
+    0.11111109636534361,
+    -0.09090852557176049,
+    0.0769105515839315,
+    -0.06649613695291669,
+    0.05736332165907643,
+    -0.04483334622272886,
+    0.02275052699336167,
 ];
 
 /// `[yaw, pitch, roll]` of unit quaternions given by their components, rad.
@@ -92,8 +91,7 @@ pub(super) fn ypr(q: Quaternion) -> [f64; 3] {
     let low = sum_y * sum_y + sum_x * sum_x;
     let high = difference_y * difference_y + difference_x * difference_x;
     let cosine = math::sqrt(low * high);
-    let pitch = atan2(sine, cosine);
-    let (sum, difference) = (atan2(sum_y, sum_x), atan2(difference_y, difference_x));
+    let [sum, difference, pitch] = atan2([sum_y, difference_y, sine], [sum_x, difference_x, cosine]);
     // Gimbal lock. Nose up: only yaw − roll is determined; nose down: only yaw + roll.
     let locked = cosine < GIMBAL_LOCK_COS;
     let half = either(sine > 0.0, difference, sum);
@@ -113,35 +111,39 @@ fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad - either(angle_rad > PI, TAU, 0.0)) + either(angle_rad < -PI, TAU, 0.0)
 }
 
-/// Angle of the point (x, y), rad in −π … π; 0 of the origin. Within 1e-15 rad.
+/// Angles of the points (x, y), rad in −π … π; 0 of the origin. Within 1e-15 rad.
+///
+/// All of them a step at a time, so that none waits for another.
 #[inline(always)]
-fn atan2(y: f64, x: f64) -> f64 {
-    let (above, beside) = (math::abs(y), math::abs(x));
+fn atan2<const N: usize>(y: [f64; N], x: [f64; N]) -> [f64; N] {
+    let (above, beside) = (y.map(math::abs), x.map(math::abs));
     // The angle to the nearer axis, 0 … π/4, and beyond π/8 what it lacks to π/4.
-    let steep = above > beside;
-    let low = either(above < beside, above, beside);
-    let high = either(above > beside, above, beside);
-    let far = low > TAN_PI_8 * high;
-    let top = low - either(far, high, 0.0);
-    let bottom = high + either(far, low, 0.0);
-    let t = top / (bottom + f64::MIN_POSITIVE);
-    let u = t * t;
-    let near = (t + t * u * polynomial(u)) + either(far, FRAC_PI_4, 0.0);
-    let right = either(steep, FRAC_PI_2 - near, near);
-    either(x < 0.0, PI - right, right).copysign(y)
+    let low: [f64; N] = from_fn(|i| either(above[i] < beside[i], above[i], beside[i]));
+    let high: [f64; N] = from_fn(|i| either(above[i] > beside[i], above[i], beside[i]));
+    let far: [bool; N] = from_fn(|i| low[i] > TAN_PI_8 * high[i]);
+    let top: [f64; N] = from_fn(|i| low[i] - either(far[i], high[i], 0.0));
+    let bottom: [f64; N] = from_fn(|i| high[i] + either(far[i], low[i], 0.0));
+    let t: [f64; N] = from_fn(|i| top[i] / (bottom[i] + f64::MIN_POSITIVE));
+    let u = t.map(|t| t * t);
+    let polynomial = polynomial(u);
+    from_fn(|i| {
+        let near = (t[i] + t[i] * u[i] * polynomial[i]) + either(far[i], FRAC_PI_4, 0.0);
+        let right = either(above[i] > beside[i], FRAC_PI_2 - near, near);
+        either(x[i] < 0.0, PI - right, right).copysign(y[i])
+    })
 }
 
 /// In Estrin's order.
 #[inline(always)]
-fn polynomial(u: f64) -> f64 {
+fn polynomial<const N: usize>(u: [f64; N]) -> [f64; N] {
     let c = &ARCTANGENT;
-    let u2 = u * u;
-    let u4 = u2 * u2;
-    let u8 = u4 * u4;
-    let low = (c[0] + c[1] * u) + (c[2] + c[3] * u) * u2;
-    let middle = (c[4] + c[5] * u) + (c[6] + c[7] * u) * u2;
-    let high = (c[8] + c[9] * u) + (c[10] + c[11] * u) * u2;
-    (low + middle * u4) + high * u8
+    let u2 = u.map(|u| u * u);
+    let u4 = u2.map(|u2| u2 * u2);
+    let u8 = u4.map(|u4| u4 * u4);
+    let low: [f64; N] = from_fn(|i| (c[0] + c[1] * u[i]) + (c[2] + c[3] * u[i]) * u2[i]);
+    let middle: [f64; N] = from_fn(|i| (c[4] + c[5] * u[i]) + (c[6] + c[7] * u[i]) * u2[i]);
+    let high: [f64; N] = from_fn(|i| c[8] + c[9] * u[i]);
+    from_fn(|i| (low[i] + middle[i] * u4[i]) + high[i] * u8[i])
 }
 
 #[cfg(test)]
@@ -153,7 +155,7 @@ mod tests {
     fn atan2_of_all_directions() {
         let mut worst: f64 = 0.0;
         let mut check = |y: f64, x: f64| {
-            let got = atan2(y, x);
+            let [got] = atan2([y], [x]);
             worst = worst.max((got - math::atan2(y, x)).abs());
         };
         for k in 0..400_000 {
@@ -167,7 +169,7 @@ mod tests {
         assert!(worst <= 1e-15, "{worst:e}");
         for (y, x) in [(0.0, 1.0), (-0.0, 1.0), (0.0, 0.0), (-0.0, 0.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)]
         {
-            assert_eq!(atan2(y, x).to_bits(), math::atan2(y, x).to_bits(), "{y} {x}");
+            assert_eq!(atan2([y], [x])[0].to_bits(), math::atan2(y, x).to_bits(), "{y} {x}");
         }
     }
 }

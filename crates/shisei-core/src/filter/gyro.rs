@@ -1,11 +1,12 @@
 //! Integration of the rate alone: the exact step, and the classical Runge-Kutta step of fourth order.
 
-use super::exponential::exp_half;
+use super::exponential::{correction, exp_half};
 use super::gyro_lanes::{self, BLOCK};
 use super::{Dt, Filter, check_rows};
 use crate::error::Result;
 use crate::euler::{self, AttitudeRow};
-use crate::quaternion::Quaternion;
+use crate::lanes::{Lanes, Number};
+use crate::quaternion::{Quaternion, product};
 use crate::vector::{self, Vec3};
 
 /// A filter that needs no accelerometer.
@@ -13,10 +14,15 @@ pub trait GyroOnly {
     /// One rate, in body axes, and the time since the sample before; `world_from_body` after it.
     fn update_gyro(&mut self, gyro_rad_s: Vec3, dt_s: f64) -> Quaternion;
 
-    /// A series, with the bits of one sample after another. As many rates as rows; steps are checked, rates are not:
+    /// A series, with the bits of one sample after another however many go side by side. As many rates as rows; steps are checked, rates are not:
     /// refused at the first row that is not finite.
     #[inline(always)]
-    fn run<O: AttitudeRow>(&mut self, gyro_rad_s: &[Vec3], dt: Dt<'_>, out: &mut [O]) -> Result<()>
+    fn run<const N: usize, L: Lanes<N>, O: AttitudeRow>(
+        &mut self,
+        gyro_rad_s: &[Vec3],
+        dt: Dt<'_>,
+        out: &mut [O],
+    ) -> Result<()>
     where
         Self: Sized,
     {
@@ -73,17 +79,18 @@ impl GyroIntegrator {
 
 /// The attitude in a block, renormalised without square root or division.
 #[inline(always)]
-pub(super) fn in_block(world_from_block: Quaternion, block_from_body: Quaternion) -> Quaternion {
-    let q = world_from_block.product(block_from_body);
-    let r = 1.5 - 0.5 * q.norm_squared();
-    Quaternion::new(q.w * r, q.x * r, q.y * r, q.z * r)
+pub(super) fn in_block<T: Number>(world_from_block: [T; 4], block_from_body: [T; 4]) -> [T; 4] {
+    let q = product(world_from_block, block_from_body);
+    let r = correction(q);
+    q.map(|component| component * r)
 }
 
 impl GyroOnly for GyroIntegrator {
     #[inline]
     fn update_gyro(&mut self, gyro_rad_s: Vec3, dt_s: f64) -> Quaternion {
         self.block_from_body = self.block_from_body.product(exp_half(half_turn(gyro_rad_s, dt_s)));
-        self.world_from_body = in_block(self.world_from_block, self.block_from_body);
+        let q = in_block(self.world_from_block.to_array(), self.block_from_body.to_array());
+        self.world_from_body = Quaternion::from_array(q);
         self.samples += 1;
         if usize::from(self.samples) == BLOCK {
             *self = Self::starting(self.world_from_body);
@@ -92,8 +99,13 @@ impl GyroOnly for GyroIntegrator {
     }
 
     #[inline(always)]
-    fn run<O: AttitudeRow>(&mut self, gyro_rad_s: &[Vec3], dt: Dt<'_>, out: &mut [O]) -> Result<()> {
-        gyro_lanes::run(self, gyro_rad_s, dt, out)
+    fn run<const N: usize, L: Lanes<N>, O: AttitudeRow>(
+        &mut self,
+        gyro_rad_s: &[Vec3],
+        dt: Dt<'_>,
+        out: &mut [O],
+    ) -> Result<()> {
+        gyro_lanes::run::<N, L, O>(self, gyro_rad_s, dt, out)
     }
 }
 

@@ -1,48 +1,65 @@
 //! The gyroscope's turns of a series, several blocks side by side.
 
-use super::exponential::{POLYNOMIAL_LIMIT, cos_sinc, exp_half};
-use super::gyro::{GyroIntegrator, GyroOnly, half_turn, in_block};
-use super::lanes::{LANES, Lanes};
+use super::exponential::{POLYNOMIAL_LIMIT, polynomials};
+use super::gyro::{GyroIntegrator, GyroOnly, in_block};
 use super::{Dt, check_rows};
 use crate::error::Result;
 use crate::euler::AttitudeRow;
-use crate::quaternion::Quaternion;
+use crate::lanes::Lanes;
+use crate::quaternion::{Quaternion, product};
 use crate::vector::{self, Vec3};
 
 /// Samples whose turns are multiplied up by themselves.
 pub(super) const BLOCK: usize = 16;
 
-/// Samples that are taken together.
-const CHUNK: usize = BLOCK * LANES;
-
 /// [`GyroOnly::run`] of the integrator.
 #[inline(always)]
-pub(super) fn run<O: AttitudeRow>(
+pub(super) fn run<const N: usize, L: Lanes<N>, O: AttitudeRow>(
     filter: &mut GyroIntegrator,
     gyro_rad_s: &[Vec3],
     dt: Dt<'_>,
     out: &mut [O],
 ) -> Result<()> {
     let mut done = filter.missing().min(out.len());
-    one_by_one(filter, gyro_rad_s, dt, out, 0, done)?;
-    let mut room = [Lanes::IDENTITY; BLOCK];
-    while let (Some(rates), Some(rows)) = (chunk(&gyro_rad_s[done..]), out[done..].first_chunk_mut::<CHUNK>())
+    one_by_one(filter, gyro_rad_s, dt, out, 0..done)?;
+    let mut room =
+        Room { in_blocks: [[L::of(0.0); 4]; BLOCK], rows: [[O::from(Quaternion::IDENTITY); BLOCK]; N] };
+    // Of every row four numbers are read, so that one must be left behind the last.
+    while let Some(rows) = blocks(&mut out[done..])
+        && gyro_rad_s.len() > done + N * BLOCK
     {
-        check_rows(rates, done)?;
+        let next = done + N * BLOCK;
+        // This also brings the rates into the nearest cache, one after another.
+        check_rows(&gyro_rad_s[done..next], done)?;
+        let rates = &gyro_rad_s.as_flattened()[3 * done..];
         let start = filter.orientation();
-        *filter = GyroIntegrator::starting(match dt {
-            Dt::Constant(dt_s) => blocks(start, rates, |_| dt_s, &mut room, rows),
-            Dt::PerSample(dt_s) => blocks(start, rates, |k| dt_s[done + k], &mut room, rows),
-        });
-        done += CHUNK;
+        let end = match dt {
+            Dt::Constant(dt_s) => together(start, rates, |_| dt_s, &mut room),
+            Dt::PerSample(dt_s) => together(start, rates, |k| dt_s[done + k], &mut room),
+        };
+        match end {
+            Some(end) => {
+                *filter = GyroIntegrator::starting(end);
+                // one after another: memory is slow where it is written here and there
+                *rows = room.rows;
+            }
+            None => one_by_one(filter, gyro_rad_s, dt, out, done..next)?,
+        }
+        done = next;
     }
     let rows = out.len();
-    one_by_one(filter, gyro_rad_s, dt, out, done, rows)
+    one_by_one(filter, gyro_rad_s, dt, out, done..rows)
 }
 
-#[inline(always)]
-fn chunk(rates: &[Vec3]) -> Option<&[Vec3; CHUNK]> {
-    rates.first_chunk()
+/// What is used again from chunk to chunk.
+struct Room<const N: usize, L, O> {
+    /// Products up to each sample of a block.
+    in_blocks: [[L; 4]; BLOCK],
+    rows: [[O; BLOCK]; N],
+}
+
+fn blocks<const N: usize, O>(rows: &mut [O]) -> Option<&mut [[O; BLOCK]; N]> {
+    rows.as_chunks_mut().0.first_chunk_mut()
 }
 
 #[inline(never)]
@@ -51,75 +68,58 @@ fn one_by_one<O: AttitudeRow>(
     gyro_rad_s: &[Vec3],
     dt: Dt<'_>,
     out: &mut [O],
-    from: usize,
-    to: usize,
+    rows: core::ops::Range<usize>,
 ) -> Result<()> {
-    check_rows(&gyro_rad_s[from..to], from)?;
-    for k in from..to {
+    check_rows(&gyro_rad_s[rows.clone()], rows.start)?;
+    for k in rows {
         out[k] = O::from(filter.update_gyro(gyro_rad_s[k], dt.at(k)));
     }
     Ok(())
 }
 
-/// A chunk from `start`; the attitude after it. `in_blocks` is room for the products.
+/// `N` blocks from `start`; the attitude after them. None, and no row is of use, where a turn is beyond the polynomials'
+/// range or not finite.
 #[inline(always)]
-fn blocks<O: AttitudeRow>(
+fn together<const N: usize, L: Lanes<N>, O: AttitudeRow>(
     start: Quaternion,
-    rates: &[Vec3; CHUNK],
+    rates: &[f64],
     dt_s: impl Fn(usize) -> f64,
-    in_blocks: &mut [Lanes; BLOCK],
-    rows: &mut [O; CHUNK],
-) -> Quaternion {
-    let mut product = Lanes::IDENTITY;
-    for step in 0..BLOCK {
-        let turn = turns(rates, &dt_s, step);
-        let before = product;
-        for lane in 0..LANES {
-            product.set(lane, before.at(lane).product(turn.at(lane)));
-        }
-        in_blocks[step] = product;
-    }
-    let mut starts = Lanes::IDENTITY;
-    let mut q = start;
-    for lane in 0..LANES {
-        starts.set(lane, q);
-        q = in_block(q, product.at(lane));
-    }
-    for step in 0..BLOCK {
-        let mut attitudes = Lanes::IDENTITY;
-        for lane in 0..LANES {
-            attitudes.set(lane, in_block(starts.at(lane), in_blocks[step].at(lane)));
-        }
-        attitudes.write(|lane, row| rows[lane * BLOCK + step] = row);
-    }
-    q
-}
-
-/// exp(½ ω dt) of the same sample of all blocks.
-#[inline(always)]
-fn turns(rates: &[Vec3; CHUNK], dt_s: &impl Fn(usize) -> f64, step: usize) -> Lanes {
-    let mut h = [[0.0; LANES]; 3];
-    for lane in 0..LANES {
-        let k = lane * BLOCK + step;
-        [h[0][lane], h[1][lane], h[2][lane]] = half_turn(rates[k], dt_s(k));
-    }
-    let mut turns = Lanes::IDENTITY;
+    room: &mut Room<N, L, O>,
+) -> Option<Quaternion> {
+    let one = L::of(1.0);
+    let mut turned = [one, L::of(0.0), L::of(0.0), L::of(0.0)];
     let mut small = true;
-    for lane in 0..LANES {
-        let h = [h[0][lane], h[1][lane], h[2][lane]];
+    for step in 0..BLOCK {
+        let gyro_rad_s = L::columns(core::array::from_fn(|lane| row(rates, lane * BLOCK + step)));
+        let half_dt_s = L::from_array(core::array::from_fn(|lane| 0.5 * dt_s(lane * BLOCK + step)));
+        let h = vector::scale(gyro_rad_s, half_dt_s);
         let x = vector::dot(h, h);
-        small &= x < POLYNOMIAL_LIMIT;
-        let (c, s) = cos_sinc(x);
-        turns.set(lane, Quaternion::new(c, s * h[0], s * h[1], s * h[2]));
+        small &= x.below(L::of(POLYNOMIAL_LIMIT));
+        let (c, s) = polynomials(one, x);
+        turned = product(turned, [c, s * h[0], s * h[1], s * h[2]]);
+        room.in_blocks[step] = turned;
     }
-    if small { turns } else { all_turns(&h) }
+    if !small {
+        return None;
+    }
+    let turned = turned.map(L::to_array);
+    let mut starts = [[0.0; N]; 4];
+    let mut q = start.to_array();
+    for lane in 0..N {
+        for (starts, component) in starts.iter_mut().zip(q) {
+            starts[lane] = component;
+        }
+        q = in_block(q, turned.map(|component| component[lane]));
+    }
+    let starts = starts.map(L::from_array);
+    for (step, &turned) in room.in_blocks.iter().enumerate() {
+        O::write(in_block(starts, turned), room.rows.each_mut().map(|block| &mut block[step]));
+    }
+    Some(Quaternion::from_array(q))
 }
 
-#[cold]
-fn all_turns(h: &[[f64; LANES]; 3]) -> Lanes {
-    let mut turns = Lanes::IDENTITY;
-    for lane in 0..LANES {
-        turns.set(lane, exp_half([h[0][lane], h[1][lane], h[2][lane]]));
-    }
-    turns
+/// Row k and the number behind it.
+#[inline(always)]
+fn row(rates: &[f64], k: usize) -> &[f64; 4] {
+    rates[3 * k..].first_chunk().unwrap_or(&[0.0; 4])
 }

@@ -10,10 +10,11 @@
 //! From one sample to the next only q (and i) must wait; all that depends on the sample alone, the square
 //! root and the division of 1/|a| with it, is prepared apart from the chain and overlaps the sample before.
 
-use super::exponential::{advance, direction};
+use super::exponential::{advance, sized};
 use super::gyro::half_turn;
 use super::{Filter, not_negative};
 use crate::error::Result;
+use crate::lanes::Number;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
@@ -40,9 +41,9 @@ impl Mahony {
         })
     }
 
-    /// A filter that has run before.
-    pub(super) fn in_the_middle(kp: f64, ki: f64, world_from_body: Quaternion, integral_rad_s: Vec3) -> Self {
-        Mahony { kp, chain: Chain { world_from_body, integral_rad_s, ki } }
+    /// A filter whose state is still to be given.
+    pub(super) fn in_the_middle(kp: f64, ki: f64) -> Self {
+        Mahony { kp, chain: Chain { world_from_body: Quaternion::IDENTITY, integral_rad_s: [0.0; 3], ki } }
     }
 
     /// The integral i, rad/s in body axes: minus the gyroscope bias learnt so far.
@@ -65,34 +66,45 @@ impl Filter for Mahony {
 
 /// What of a step depends on its sample alone.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Prepared {
+pub(super) struct Prepared<T> {
     /// ½ ω dt.
-    half_turn: Vec3,
+    pub(super) half_turn: [T; 3],
     /// kp dt â: its product with ½ v is what kp adds to the half turn.
-    pull: Vec3,
-    /// â.
-    acc_unit: Vec3,
+    pub(super) pull: [T; 3],
+    /// a.
+    pub(super) acc: [T; 3],
+    /// |a|.
+    pub(super) length: T,
 }
 
-impl Prepared {
+impl<T: Number> Prepared<T> {
+    /// Of an acceleration of ordinary size.
+    #[inline(always)]
+    pub(super) fn ordinary(gyro_rad_s: [T; 3], acc: [T; 3], length: T, kp_dt: T, half_dt_s: T) -> Self {
+        let half_turn = vector::scale(gyro_rad_s, half_dt_s);
+        Prepared { half_turn, pull: vector::scale(acc, kp_dt / length), acc, length }
+    }
+}
+
+impl Prepared<f64> {
     /// `gain` maps |a|, m/s², to kp.
     #[inline(always)]
     pub(super) fn new(gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64, gain: impl Fn(f64) -> f64) -> Self {
-        let (acc_unit, norm) = direction(acc_m_s2);
-        let pull = vector::scale(acc_unit, if dt_s > 0.0 { gain(norm) * dt_s } else { 0.0 });
-        Prepared { half_turn: half_turn(gyro_rad_s, dt_s), pull, acc_unit }
+        let (acc, length, norm) = sized(acc_m_s2);
+        let dt_s = if dt_s > 0.0 { dt_s } else { 0.0 };
+        Prepared::ordinary(gyro_rad_s, acc, length, gain(norm) * dt_s, 0.5 * dt_s)
     }
 }
 
 /// ½ v; |q| = 1 makes its z w² + z² − ½.
 #[inline(always)]
-pub(super) fn half_up(q: Quaternion) -> Vec3 {
-    [q.x * q.z - q.w * q.y, q.w * q.x + q.y * q.z, (q.w * q.w - 0.5) + q.z * q.z]
+pub(super) fn half_up<T: Number>([w, x, y, z]: [T; 4]) -> [T; 3] {
+    [x * z - w * y, w * x + y * z, (w * w + z * z) - T::of(0.5)]
 }
 
 /// The half turn with the pull towards the accelerometer: a × ½ v is added.
 #[inline(always)]
-pub(super) fn pulled(base: Vec3, a: Vec3, v: Vec3) -> Vec3 {
+pub(super) fn pulled<T: Number>(base: [T; 3], a: [T; 3], v: [T; 3]) -> [T; 3] {
     [
         (base[0] - a[2] * v[1]) + a[1] * v[2],
         (base[1] + a[2] * v[0]) - a[0] * v[2],
@@ -102,9 +114,14 @@ pub(super) fn pulled(base: Vec3, a: Vec3, v: Vec3) -> Vec3 {
 
 /// i + ki e dt.
 #[inline(always)]
-pub(super) fn integrated(integral_rad_s: Vec3, acc_unit: Vec3, half_v: Vec3, ki: f64, dt_s: f64) -> Vec3 {
-    let e = vector::cross(acc_unit, half_v);
-    vector::add(integral_rad_s, vector::scale(e, 2.0 * (ki * dt_s)))
+pub(super) fn integrated<T: Number>(
+    integral: [T; 3],
+    sample: &Prepared<T>,
+    half_v: [T; 3],
+    ki_dt: T,
+) -> [T; 3] {
+    let e = vector::cross(sample.acc, half_v);
+    vector::add(integral, vector::scale(e, (ki_dt + ki_dt) / sample.length))
 }
 
 /// The state that waits for the sample before, shared by both Mahony filters.
@@ -121,9 +138,9 @@ impl Chain {
     }
 
     #[inline(always)]
-    pub(super) fn step(&mut self, sample: &Prepared, dt_s: f64) -> Quaternion {
+    pub(super) fn step(&mut self, sample: &Prepared<f64>, dt_s: f64) -> Quaternion {
         let q = self.world_from_body;
-        let v = half_up(q);
+        let v = half_up(q.to_array());
         let base = if self.ki == 0.0 { sample.half_turn } else { self.integrate(sample, v, dt_s) };
         self.world_from_body = advance(q, pulled(base, sample.pull, v));
         self.world_from_body
@@ -131,8 +148,8 @@ impl Chain {
 
     /// i ← i + ki e dt, and ½ (ω + i) dt. An integral that would overflow stays as it is.
     #[inline(always)]
-    fn integrate(&mut self, sample: &Prepared, half_v: Vec3, dt_s: f64) -> Vec3 {
-        let i = integrated(self.integral_rad_s, sample.acc_unit, half_v, self.ki, dt_s);
+    fn integrate(&mut self, sample: &Prepared<f64>, half_v: Vec3, dt_s: f64) -> Vec3 {
+        let i = integrated(self.integral_rad_s, sample, half_v, self.ki * dt_s);
         if dt_s > 0.0 && vector::is_finite(i) {
             self.integral_rad_s = i;
         }

@@ -14,7 +14,6 @@ mod complementary;
 pub mod exponential;
 mod gyro;
 mod gyro_lanes;
-mod lanes;
 mod mahony;
 mod mahony_adaptive;
 mod mahony_lanes;
@@ -23,10 +22,11 @@ pub use complementary::{Complementary, DEFAULT_ALPHA};
 pub use gyro::{GyroIntegrator, GyroOnly, GyroRk4};
 pub use mahony::Mahony;
 pub use mahony_adaptive::{AdaptiveGain, MahonyAdaptive};
-pub use mahony_lanes::{Readings, run_many_into};
+pub use mahony_lanes::{Readings, run_many_in_lanes, run_many_into};
 
 use crate::error::{Error, Result};
 use crate::euler::{self, AttitudeRow};
+use crate::lanes::{Lanes, Portable};
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
 
@@ -153,8 +153,18 @@ pub fn run<F: Filter + ?Sized, O: AttitudeRow + Clone>(
 }
 
 /// Runs a gyroscope integrator over a series of rates; otherwise as [`run_into`].
-#[inline(always)]
 pub fn run_gyro_into<F: GyroOnly, O: AttitudeRow>(
+    filter: &mut F,
+    gyro_rad_s: &[Vec3],
+    dt: Dt<'_>,
+    out: &mut [O],
+) -> Result<()> {
+    run_gyro_in_lanes::<1, Portable<1>, F, O>(filter, gyro_rad_s, dt, out)
+}
+
+/// [`run_gyro_into`] with `N` parts of the series side by side.
+#[inline(always)]
+pub fn run_gyro_in_lanes<const N: usize, L: Lanes<N>, F: GyroOnly, O: AttitudeRow>(
     filter: &mut F,
     gyro_rad_s: &[Vec3],
     dt: Dt<'_>,
@@ -163,7 +173,7 @@ pub fn run_gyro_into<F: GyroOnly, O: AttitudeRow>(
     let rows = gyro_rad_s.len();
     same_length(rows, out.len())?;
     dt.check(rows)?;
-    filter.run(gyro_rad_s, dt, out)
+    filter.run::<N, L, O>(gyro_rad_s, dt, out)
 }
 
 /// [`run_gyro_into`] with a new vector.
