@@ -1,6 +1,7 @@
 //! `cargo xtask bench …`: numbers that the documentation quotes.
 
 pub mod accuracy;
+#[cfg(feature = "bridge")]
 pub mod bridge;
 pub mod cli;
 mod coverage;

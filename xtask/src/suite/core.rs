@@ -4,7 +4,7 @@ use std::num::NonZero;
 
 use super::Suite;
 use crate::bench::accuracy;
-use crate::needs::Needs;
+use crate::needs::{Apt, Needs};
 use crate::programs;
 use crate::run::Run;
 use crate::tidy;
@@ -13,7 +13,8 @@ pub const SUITE: Suite = Suite {
     name: "core",
     about: "formatting, lints, documentation, the tests of all crates",
     needs: |_| Needs { cargo: vec!["fmt", "clippy"], ..Needs::default() },
-    wants: accuracy::needs,
+    // the sketch for the Spresense is C++
+    wants: |project| Needs { apt: vec![Apt::program("g++", "c++")], ..accuracy::needs(project) },
     builds: |_| Ok(()),
     run,
 };
@@ -29,8 +30,9 @@ fn run(run: &mut Run<'_>) {
         let mut fmt = project.cargo();
         run.step(&name, fmt.args(["fmt", "--check", "--manifest-path"]).arg(manifest));
     }
-    let clippy = ["clippy", "--quiet", "--workspace", "--all-targets", "--", "-D", "warnings"];
-    run.step("cargo clippy", project.cargo().args(clippy));
+    let mut clippy = project.cargo();
+    clippy.args(["clippy", "--quiet", "--workspace", "--all-targets", "--features", "xtask/bridge"]);
+    run.step("cargo clippy", clippy.args(["--", "-D", "warnings"]));
     let without = ["clippy", "--quiet", "-p", "shisei-core", "--no-default-features", "--", "-D", "warnings"];
     run.step("the core without an allocator", project.cargo().args(without));
     let mut doc = project.cargo();
