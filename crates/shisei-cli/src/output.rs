@@ -1,5 +1,6 @@
 //! Writing results: to a temporary name beside the target, then renamed, so that no partial file is left.
 
+use std::collections::HashSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -87,11 +88,18 @@ pub struct Writer {
     pub force: bool,
     /// Language of refusals.
     pub lang: Lang,
-    /// Files that are read in this run; they are never overwritten.
-    pub inputs: Vec<PathBuf>,
+    /// Files that are read in this run, by their whole paths; they are never overwritten.
+    inputs: HashSet<PathBuf>,
 }
 
 impl Writer {
+    /// `inputs` are the files that are read in this run.
+    pub fn new<'a>(force: bool, lang: Lang, inputs: impl IntoIterator<Item = &'a PathBuf>) -> Self {
+        // One that is not there cannot be overwritten.
+        let inputs = inputs.into_iter().filter_map(|path| path.canonicalize().ok()).collect();
+        Writer { force, lang, inputs }
+    }
+
     /// Refuses early, before any work is done, what [`Writer::write`] would refuse.
     pub fn check(&self, path: &Path, kind: Kind) -> Outcome<()> {
         if is_stdout(path) || is_special(path) || !path.exists() {
@@ -106,7 +114,7 @@ impl Writer {
                 format!("{shown} はディレクトリです。-o にはファイル名を指定してください"),
             )));
         }
-        if self.inputs.iter().any(|input| same_file(input, path)) {
+        if path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
             return Err(Failure::input(say(
                 lang,
                 format!(
@@ -220,11 +228,4 @@ pub fn is_stdout(path: &Path) -> bool {
 
 fn is_special(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|meta| !meta.is_file() && !meta.is_dir())
-}
-
-fn same_file(a: &Path, b: &Path) -> bool {
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
-        _ => false,
-    }
 }

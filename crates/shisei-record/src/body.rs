@@ -2,6 +2,7 @@
 
 use crate::blocks::{Blocks, SHORT};
 use crate::error::{Error, Place, Problem, Result, shorten};
+use crate::large_pages;
 use crate::number::{self, Cell, Shape};
 use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
 use crate::stamp::{self, Cycle};
@@ -411,17 +412,22 @@ fn reserve(out: &mut Body, sheet: &Sheet<'_>, length: u64, wanted: &Wanted) {
     let rows = rows.min(length / 4 + 16);
     let has = |slot: usize| wanted.slot.get(slot).is_some_and(Option::is_some);
     if has(TIME) {
-        out.time.reserve_exact(rows);
+        make_room(&mut out.time, rows);
     }
     if has(ACC) {
-        out.acc.reserve_exact(rows);
+        make_room(&mut out.acc, rows);
     }
     if has(GYRO) {
-        out.gyro.reserve_exact(rows);
+        make_room(&mut out.gyro, rows);
     }
     if has(TEMP) {
-        out.temp.reserve_exact(rows);
+        make_room(&mut out.temp, rows);
     }
+}
+
+fn make_room<T>(series: &mut Vec<T>, rows: usize) {
+    series.reserve_exact(rows);
+    large_pages::ask_for(series);
 }
 
 #[inline(always)]

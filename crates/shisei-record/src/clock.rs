@@ -1,5 +1,6 @@
 //! From raw stamps to a strictly increasing time, its steps, and what was found on the way.
 
+use crate::large_pages;
 use crate::recording::{Findings, Gap, Note};
 
 /// Raw stamps of one file.
@@ -314,6 +315,7 @@ fn steps(t: Vec<f64>, median: f64, out: &mut Timeline, findings: &mut Findings) 
     let mut squares = 0.0;
     let mut gaps = Vec::new();
     let mut dt = Vec::with_capacity(rows);
+    large_pages::ask_for(&mut dt);
     dt.push(usual);
     for (i, w) in t.windows(2).enumerate() {
         let d = w[1] - w[0];

@@ -17,6 +17,7 @@ mod encoding;
 pub mod error;
 mod error_text;
 mod judge;
+mod large_pages;
 mod merge;
 pub mod motive;
 pub mod names;

@@ -30,7 +30,7 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     let stem = source.stem();
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.allan.csv")));
     let report = args.report.or(format!("{stem}.allan.html"));
-    let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
+    let writer = Writer::new(args.force, lang, &args.files);
     writer.check(&output, Kind::Table)?;
     if let Some(report) = &report {
         writer.check(report, Kind::Html)?;

@@ -16,8 +16,7 @@ pub fn run(args: &Apply, lang: Lang) -> Outcome<()> {
     if args.keep {
         options.keep = vec!["*".to_owned()];
     }
-    let inputs = args.files.iter().chain([&args.calibration]).cloned().collect();
-    let writer = Writer { force: args.force, lang, inputs };
+    let writer = Writer::new(args.force, lang, args.files.iter().chain([&args.calibration]));
     let format = Format::of(&args.output);
     let kind = format.kind(Kind::Recording);
     writer.check(&args.output, kind)?;

@@ -27,7 +27,7 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
     let source = Source { paths: args.files.clone() };
     let output =
         args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.calibration.json", source.stem())));
-    let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
+    let writer = Writer::new(args.force, lang, &args.files);
     writer.check(&output, Kind::Calibration)?;
     let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     let settings = SixFaceSettings {

@@ -38,7 +38,7 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
     let stem = source.stem();
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.calibration.json")));
     let report = args.report.or(format!("{stem}.calibration.html"));
-    let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
+    let writer = Writer::new(args.force, lang, &args.files);
     writer.check(&output, Kind::Calibration)?;
     if let Some(report) = &report {
         writer.check(report, Kind::Html)?;

@@ -14,7 +14,7 @@ pub fn run(args: &Convert, lang: Lang) -> Outcome<()> {
     if args.keep {
         options.keep = vec!["*".to_owned()];
     }
-    let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
+    let writer = Writer::new(args.force, lang, &args.files);
     let format = Format::of(&args.output);
     let kind = format.kind(Kind::Recording);
     writer.check(&args.output, kind)?;

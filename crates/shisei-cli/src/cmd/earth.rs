@@ -38,7 +38,7 @@ pub struct Found {
 pub fn run(args: &Earth, lang: Lang) -> Outcome<()> {
     let latitude = args.latitude.map(f64::to_radians);
     let report = args.report.or("earth.html");
-    let writer = Writer { force: args.force, lang, inputs: args.files.clone() };
+    let writer = Writer::new(args.force, lang, &args.files);
     if let Some(report) = &report {
         writer.check(report, Kind::Html)?;
     }

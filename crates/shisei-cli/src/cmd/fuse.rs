@@ -67,8 +67,8 @@ pub fn run(args: &Fuse, lang: Lang) -> Outcome<()> {
         outputs.push(PathBuf::from(format!("{stem}.fused.csv")));
     }
     let report = args.report.or(format!("{stem}.fused.html"));
-    let inputs = args.imu.iter().chain([&args.optical]).chain(&args.pulses).cloned().collect();
-    let writer = Writer { force: args.force, lang, inputs };
+    let inputs = args.imu.iter().chain([&args.optical]).chain(&args.pulses);
+    let writer = Writer::new(args.force, lang, inputs);
     for path in &outputs {
         writer.check(path, kind(path, lang)?)?;
     }

@@ -34,8 +34,7 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
     let stem = source.stem();
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.motion.csv")));
     let report = args.report.or(format!("{stem}.motion.html"));
-    let inputs = args.files.iter().chain(args.calibration.as_ref()).cloned().collect();
-    let writer = Writer { force: args.force, lang, inputs };
+    let writer = Writer::new(args.force, lang, args.files.iter().chain(args.calibration.as_ref()));
     writer.check(&output, Kind::Motion)?;
     if let Some(report) = &report {
         writer.check(report, Kind::Html)?;

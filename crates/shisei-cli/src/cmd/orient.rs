@@ -136,8 +136,7 @@ fn plan(args: Orient, lang: Lang) -> Outcome<Plan> {
         gravity_m_s2: args.gravity,
         sensor,
     };
-    let inputs = args.files.iter().chain(&args.calibration).cloned().collect();
-    let writer = Writer { force: args.force, lang, inputs };
+    let writer = Writer::new(args.force, lang, args.files.iter().chain(&args.calibration));
     Ok(Plan { args, options, settings, rest, calibration, writer, lang })
 }
 
