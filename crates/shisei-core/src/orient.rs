@@ -22,7 +22,7 @@ use crate::quaternion::Quaternion;
 use crate::rest::{self, RestSettings};
 use crate::vector::{self, Vec3};
 use crate::{Ypr, heading, initial};
-use stretches::{Series, Stretches, Unbiased};
+use stretches::{Series, Stretches};
 
 /// A step longer than this is a gap, s.
 pub const GAP_S: f64 = 0.5;
@@ -393,6 +393,23 @@ impl<'a> Data<'a> {
         let later = (&self.gyro[origin..], &self.acc[origin..], &self.dt[origin..]);
         let later = Stretches::new(with_bias(self.bias), start, later)?;
         Ok((earlier, Box::new(later)))
+    }
+}
+
+/// A filter that is given rates with a bias.
+pub(super) struct Unbiased<F> {
+    filter: F,
+    bias: Vec3,
+}
+
+impl<F: Filter> Filter for Unbiased<F> {
+    #[inline]
+    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quaternion {
+        self.filter.update(vector::sub(gyro_rad_s, self.bias), acc_m_s2, dt_s)
+    }
+
+    fn orientation(&self) -> Quaternion {
+        self.filter.orientation()
     }
 }
 

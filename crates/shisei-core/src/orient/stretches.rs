@@ -4,30 +4,13 @@ use super::{GAP_S, LEVEL_S, after};
 use crate::error::Result;
 use crate::filter::{self, Dt, Filter};
 use crate::quaternion::Quaternion;
-use crate::vector::{self, Vec3};
+use crate::vector::Vec3;
 use crate::{initial, rest};
 
 /// Attitudes that are made in order.
 pub(super) trait Series {
     /// The attitudes of the next rows.
     fn next(&mut self, out: &mut [Quaternion]) -> Result<()>;
-}
-
-/// A filter that is given rates with a bias.
-pub(super) struct Unbiased<F> {
-    pub filter: F,
-    pub bias: Vec3,
-}
-
-impl<F: Filter> Filter for Unbiased<F> {
-    #[inline]
-    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quaternion {
-        self.filter.update(vector::sub(gyro_rad_s, self.bias), acc_m_s2, dt_s)
-    }
-
-    fn orientation(&self) -> Quaternion {
-        self.filter.orientation()
-    }
 }
 
 /// Starts the filter anew at every gap.
@@ -44,7 +27,7 @@ pub(super) struct Stretches<'a, F, M> {
 
 impl<'a, F: Filter, M: Fn(Quaternion) -> Result<F>> Stretches<'a, F, M> {
     /// Rates, accelerations and steps, one a row.
-    pub fn new(
+    pub(super) fn new(
         make: M,
         start: Quaternion,
         (rates, acc, dt_s): (&'a [Vec3], &'a [Vec3], &'a [f64]),
