@@ -8,9 +8,10 @@ use alloc::vec::Vec;
 
 use super::calibration::Calibration;
 use super::engine::{OpticalNoise, OpticalPose, Point, Points};
-use super::model::STATES_WITH_LEVER;
-use super::online::{State, check};
-use super::runner::Runner;
+use super::guard::Sample;
+use super::model::{PHI, STATES_WITH_LEVER};
+use super::online::{Estimator, State, check};
+use super::runner::{Runner, heading_between};
 use super::segments::Recording;
 use super::settings::Settings;
 use super::smoother::{CHUNK, InTurn, lengths, rests, run};
@@ -87,18 +88,22 @@ pub(crate) fn bridge_by_points(
             filter::check_rows(&[pose.position_m], row)?;
         }
     }
+    let sample = |k: usize| Sample { gyro_rad_s: gyro_rad_s[k], acc_m_s2: acc_m_s2[k], dt_s: dt.at(k) };
+    let (optics_from_start, start_sigma_rad) = start_heading(sample, poses, settings)?;
+    let start_from_optics = optics_from_start.conjugate();
     let centre = centre(poses);
+    let place = |position_m: Vec3| start_from_optics.rotate(vector::sub(position_m, centre));
     let poses: Vec<Option<OpticalPose>> = poses
         .iter()
         .map(|pose| {
             pose.map(|pose| OpticalPose {
-                world_from_body: pose.world_from_body.normalized(),
-                position_m: vector::sub(pose.position_m, centre),
+                world_from_body: start_from_optics.product(pose.world_from_body).normalized(),
+                position_m: place(pose.position_m),
             })
         })
         .collect();
-    let from_centre = |point: Point| Point { position_m: vector::sub(point.position_m, centre), ..point };
-    let points: Vec<Points> = points.iter().map(|row| row.map(|point| point.map(from_centre))).collect();
+    let turned = |point: Point| Point { position_m: place(point.position_m), ..point };
+    let points: Vec<Points> = points.iter().map(|row| row.map(|point| point.map(turned))).collect();
     let bounds = bounds(&poses, &points, dt);
     let mut recording = Recording {
         acc: acc_m_s2,
@@ -115,24 +120,47 @@ pub(crate) fn bridge_by_points(
     recording.rest = &rest;
     let settings =
         Settings { update_s: settings.update_s.min(UPDATE_S), heading_sigma_share: 1.0, ..*settings };
-    let runner = Runner::<STATES_WITH_LEVER, 1>::new(&settings, [&settings.bridge], optics.lever_m);
+    let mut runner = Runner::<STATES_WITH_LEVER, 1>::new(&settings, [&settings.bridge], optics.lever_m);
+    runner.engines[0].covariance.0[HEADING][HEADING] += start_sigma_rad * start_sigma_rad;
     let nothing = State::new(Quaternion::IDENTITY, [0.0; 3], [0.0; 3], [[0.0; 3]; 3], false);
     let blank =
         Bridged { state: nothing, velocity_m_s: [0.0; 3], position_m: [0.0; 3], sigma_position_m: 0.0 };
     let mut bridged = alloc::vec![blank; acc_m_s2.len()];
     let calibration = run(&recording, runner, CHUNK, &InTurn, |k, detail| {
         bridged[k] = Bridged {
-            state: detail.state,
-            velocity_m_s: detail.velocity,
-            position_m: vector::add(detail.position, centre),
+            state: detail.state.turned(optics_from_start),
+            velocity_m_s: optics_from_start.rotate(detail.velocity),
+            position_m: vector::add(optics_from_start.rotate(detail.position), centre),
             sigma_position_m: detail.sigma_position,
         };
     });
     Ok((bridged, calibration))
 }
 
+/// The turn about z from the world in which the sensor's heading is zero at the start to that of the optics, and how
+/// well it is known, rad: where the sensor is not seen from the start it is carried to its first pose.
+fn start_heading(
+    sample: impl Fn(usize) -> Sample,
+    poses: &[Option<OpticalPose>],
+    settings: &Settings,
+) -> Result<(Quaternion, f64)> {
+    let seen = poses.iter().enumerate().find_map(|(k, pose)| pose.map(|pose| (k, pose)));
+    let Some((first, pose)) = seen.filter(|(first, _)| *first > 0) else {
+        return Ok((Quaternion::IDENTITY, 0.0));
+    };
+    let mut estimator = Estimator::new(settings)?;
+    (0..first).for_each(|k| {
+        estimator.update(&sample(k));
+    });
+    let carried = estimator.update(&sample(first));
+    Ok((heading_between(pose.world_from_body, carried.world_from_body), carried.sigma_heading_rad))
+}
+
 /// Longest time between updates, s: each takes one pose.
 pub(super) const UPDATE_S: f64 = 0.035;
+
+/// The error state of the heading.
+const HEADING: usize = PHI + 2;
 
 /// Gaps from this length on have their motion bounded, and fully from the second, s.
 const BOUND_FROM_S: f64 = 3.0;

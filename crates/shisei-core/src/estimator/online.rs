@@ -54,6 +54,25 @@ impl State {
     }
 }
 
+#[cfg(feature = "alloc")]
+impl State {
+    /// The same in a world that is turned about z.
+    pub(super) fn turned(self, turn: Quaternion) -> Self {
+        let m = turn.to_matrix();
+        let mut covariance_rad2 = [[0.0; 3]; 3];
+        for j in 0..3 {
+            for l in 0..3 {
+                for a in 0..3 {
+                    for b in 0..3 {
+                        covariance_rad2[j][l] += m[j][a] * self.covariance_rad2[a][b] * m[l][b];
+                    }
+                }
+            }
+        }
+        State { world_from_body: turn.product(self.world_from_body), covariance_rad2, ..self }
+    }
+}
+
 /// Standard deviation of the attitude while nothing is known, rad.
 const UNKNOWN_RAD: f64 = core::f64::consts::PI;
 
