@@ -18,9 +18,8 @@ const url = await hub.listen();
   await soon("it says live", async () => (await text(page, "#link b")) === "Live");
   await soon("bodies come", async () => (await bodies(page)).filter((b) => b.placed).length >= 20);
   const before = await bodies(page);
-  await page.waitForTimeout(300);
-  const after = await bodies(page);
-  check("bodies move", after.filter((b, k) => Math.hypot(...b.p.map((v, axis) => v - before[k].p[axis])) > 0.01).length >= 3);
+  const moved = (b, k) => Math.hypot(...b.p.map((v, axis) => v - before[k].p[axis])) > 0.01;
+  await soon("bodies move", async () => (await bodies(page)).filter(moved).length >= 3);
   check("the list names them", (await page.locator("#bodies .row b").allTextContents()).join().startsWith("Tool 1,Tool 2,Tool 3,Alice"));
 
   // an occlusion turns the colour, and it comes back

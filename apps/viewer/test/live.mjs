@@ -49,9 +49,8 @@ try {
   });
   await soon("cameras see bodies", async () => (await bodies(page)).filter((b) => b.source === 1 && b.kind === "body").length >= 1);
   const before = new Map((await bodies(page)).map((b) => [b.id, b]));
-  await page.waitForTimeout(700);
-  const moved = (await bodies(page)).filter((b) => before.has(b.id) && Math.hypot(...b.p.map((v, axis) => v - before.get(b.id).p[axis])) > 0.005).length;
-  check("bodies move", moved >= 3, moved);
+  const moved = (b) => before.has(b.id) && Math.hypot(...b.p.map((v, axis) => v - before.get(b.id).p[axis])) > 0.005;
+  await soon("bodies move", async () => (await bodies(page)).filter(moved).length >= 3);
   check("it is marked as a demonstration", await page.locator("#demo").isVisible());
   await page.waitForTimeout(900);
   await checks.shot(page, "live-en-dark");
@@ -74,8 +73,7 @@ try {
   await soon("it grows", async () => /\d+(\.\d+)? [kM]B/.test(await text(page, "#record-time")));
   await page.keyboard.press("n");
   await page.keyboard.press("s");
-  await page.waitForTimeout(1500);
-  check("the status page has nodes and inputs", (await page.locator("#status tbody tr").count()) >= 2);
+  await soon("the status page has nodes and inputs", async () => (await page.locator("#status tbody tr").count()) >= 2);
   await checks.shot(page, "live-en-dark-recording");
   await page.click("#record");
   await soon("recording stops", async () => (await page.getAttribute("#record", "data-state")) === "off");
