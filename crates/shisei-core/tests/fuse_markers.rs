@@ -161,7 +161,7 @@ fn a_mistaken_marker_does_no_harm() {
         let found = take.errors(&with, 20.0, 45.0);
         println!("{what}: {found:.3?}, without markers {bare:.3?}");
         assert!(found.2 < most_mm, "{what}: {found:?}");
-        assert!(found.0 < bare.0.max(0.1), "{what}: {found:?} {bare:?}"); // degrees
+        assert!(found.0 < 0.1, "{what}: {found:?} degrees and mm, {bare:?} without");
         with
     };
     // the first is mistaken for the second for 3 s, for the rest of the gap, and in single frames
