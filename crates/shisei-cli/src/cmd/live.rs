@@ -12,7 +12,8 @@ use serde_json::{Value, json};
 use shisei_core::Lang;
 use shisei_core::frames::Axes;
 use shisei_hub::live::{
-    Input, Kind, Line, Mounting, Output, Parts, Replay, Settings, State, What, run as run_hub,
+    Door, Input, Kind, Level, Line, Mounting, Note, Output, Parts, Refused, Replay, Settings, State, What,
+    run as run_hub,
 };
 use shisei_hub::natnet::{COMMAND_PORT, Client, DATA_PORT, NatNetOut};
 use shisei_hub::osc::OscOut;
@@ -68,40 +69,67 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
             stop.store(true, Ordering::Relaxed);
         });
     }
-    let address = parts.access.address;
-    let hub = run_hub(settings, parts, &stop, |serving| announce(serving, args.json, lang));
-    let hub = hub.map_err(|error| {
-        Failure::input(say(
+    let (address, file) = (parts.access.address, settings.record.clone());
+    let mut door = Terminal { as_json: args.json, lang };
+    let hub = run_hub(settings, parts, &stop, &mut door).map_err(|refused| match refused {
+        Refused::Address(error) => Failure::input(say(
             lang,
             format!("{address}: {error}; choose another port with --listen 127.0.0.1:PORT"),
             format!("{address}：{error}。--listen 127.0.0.1:PORT で別のポートを指定してください"),
-        ))
+        )),
+        Refused::Recording(error) => {
+            let file = file.display();
+            Failure::input(say(
+                lang,
+                format!("{file} could not be written ({error}); choose another place with --record"),
+                format!("{file} に書き込めませんでした ({error})。--record で別の場所を指定してください"),
+            ))
+        }
     })?;
     let (lost, samples) = hub.losses();
     eprintln!(
         "{}",
         say(lang, format!("{samples} samples, {lost} lost"), format!("{samples} サンプル、欠落 {lost}"))
     );
-    Ok(())
+    match hub.unrecorded().first() {
+        None => Ok(()),
+        Some(file) => Err(Failure::input(say(
+            lang,
+            format!("{file} is not complete; what is said above tells why"),
+            format!("{file} の記録は不完全です。理由は上の表示をご覧ください"),
+        ))),
+    }
 }
 
-fn announce(serving: &Serving, as_json: bool, lang: Lang) {
-    let url = serving.url();
-    if as_json {
-        println!("{}", json!({"url": url, "token": serving.access.token}));
-    } else {
-        println!("{url}");
+/// What is said where the command was given; the viewer says the same.
+struct Terminal {
+    as_json: bool,
+    lang: Lang,
+}
+
+impl Door for Terminal {
+    fn serving(&mut self, serving: &Serving) {
+        let url = serving.url();
+        if self.as_json {
+            println!("{}", json!({"url": url, "token": serving.access.token}));
+        } else {
+            println!("{url}");
+        }
+        // nobody reads it: the viewer works all the same
+        let _ = io::stdout().flush();
+        eprintln!(
+            "{}",
+            say(
+                self.lang,
+                "open this address in a browser; Ctrl-C stops",
+                "このアドレスをブラウザで開いてください。Ctrl-C で終了します",
+            )
+        );
     }
-    // nobody reads it: the viewer works all the same
-    let _ = io::stdout().flush();
-    eprintln!(
-        "{}",
-        say(
-            lang,
-            "open this address in a browser; Ctrl-C stops",
-            "このアドレスをブラウザで開いてください。Ctrl-C で終了します",
-        )
-    );
+
+    fn note(&mut self, note: &Note) {
+        eprintln!("{}", note.sentence(self.lang));
+    }
 }
 
 fn wrong(what: &str, lang: Lang) -> Failure {
@@ -217,6 +245,18 @@ fn mounting(path: &Path) -> Option<(String, Mounting)> {
     Mounting::parse(&value)
 }
 
+fn unopened(port: &str, error: &io::Error) -> Note {
+    Note::new(
+        Level::Warning,
+        format!(
+            "{port}: {error}; waiting for it. Is the receiver plugged in, and no other program using the port? `shisei devices` lists ports"
+        ),
+        format!(
+            "{port}：{error}。使用できるまで待ちます。レシーバの接続と、他のプログラムがポートを使用していないことを確認してください。ポートの一覧は shisei devices で表示できます"
+        ),
+    )
+}
+
 /// A receiver on a serial port, waited for when it is gone.
 struct Serial {
     port: String,
@@ -234,11 +274,20 @@ impl Input for Serial {
     fn run(self: Box<Self>, line: &Line) {
         let name: Arc<str> = self.port.rsplit(['/', '\\']).next().unwrap_or("port").into();
         let mut bytes = [0; 4096];
+        let mut told = false;
         while !line.stopped() {
-            let Ok(mut feed) = Feed::open(&self.port) else {
-                std::thread::sleep(RETRY);
-                continue;
+            let mut feed = match Feed::open(&self.port) {
+                Ok(feed) => feed,
+                Err(error) => {
+                    // once: of a port that was there it is said that it is gone
+                    if !std::mem::replace(&mut told, true) {
+                        line.note(&name, unopened(&self.port, &error));
+                    }
+                    std::thread::sleep(RETRY);
+                    continue;
+                }
             };
+            told = true;
             line.give(&name, What::State(State::Connected));
             // what was to be said before nobody waits for any more
             while line.outbox().fetch().is_some() {}

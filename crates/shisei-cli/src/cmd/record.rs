@@ -9,10 +9,11 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 use shisei_core::Lang;
+use shisei_hub::live::input::unix_ns;
 use shisei_hub::{Item, Session, Take};
 use shisei_wire::message::EventCode;
 
-use super::ports::{Feed, Got, no_port, stop_flag, unix_ns};
+use super::ports::{Feed, Got, no_port, stop_flag};
 use crate::args_live::Record;
 use crate::fail::{Failure, Outcome, say};
 

@@ -15,6 +15,7 @@ use shisei_core::fuse::delayed::{Delayed, DelayedSettings};
 use shisei_core::fuse::{FusedFrame, Source};
 use shisei_core::{Quaternion, Result, vector};
 
+use super::backlog::Backlog;
 use super::merge::{Merger, Taken};
 use super::recorder::Record;
 use super::scene::Shown;
@@ -158,7 +159,7 @@ pub struct Smoothing {
 
 impl Smoothing {
     /// What comes out goes to `records`.
-    pub fn start(records: Sender<Record>) -> Self {
+    pub fn start(records: Backlog) -> Self {
         let (work, asked) = channel();
         let thread = std::thread::spawn(move || smooth(&asked, &records));
         Smoothing { work: Some(work), thread: Some(thread) }
@@ -198,14 +199,13 @@ impl Smoothing {
     }
 }
 
-fn smooth(asked: &Receiver<Work>, records: &Sender<Record>) {
+fn smooth(asked: &Receiver<Work>, records: &Backlog) {
     let mut nodes: BTreeMap<usize, (String, Box<Lagged>)> = BTreeMap::new();
     let mut out = Vec::new();
     let give = |path: &str, out: &mut Vec<Late>| {
         for late in out.drain(..) {
             if let Some(shown) = shown(&late) {
-                // the recording has told why it ended
-                let _ = records.send(Record::Smoothed(path.to_owned(), shown, late.unix_ns));
+                records.give(Record::Smoothed(path.to_owned(), shown, late.unix_ns));
             }
         }
     };

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::hub::{Hub, NODES_MAX};
 use super::input::Arrival;
 use super::node::Node;
+use super::note::{Level, Note};
 use super::recorder::Record;
 use super::scene::Key;
 use crate::kept;
@@ -84,15 +85,15 @@ impl Hub {
                 if let Some(node) = self.node(port, place) {
                     node.past.clear();
                     let name = node.name.clone();
-                    self.note(
-                        "warning",
-                        &format!("{name} started anew"),
-                        &format!("{name} が再起動しました"),
-                    );
+                    self.note(Note::new(
+                        Level::Warning,
+                        format!("{name} started anew"),
+                        format!("{name} が再起動しました"),
+                    ));
                 }
             }
             Item::ReceiverRebooted(_) => {
-                self.note("warning", "the receiver started anew", "レシーバが再起動しました");
+                self.note(Note::new(Level::Warning, "the receiver started anew", "レシーバが再起動しました"));
                 self.uncouple(port);
             }
             Item::Event(event) => self.refused(port, &event),
@@ -136,7 +137,9 @@ impl Hub {
         } else {
             let shown = node.alone(sample, arrival.at);
             let name = node.name.clone();
-            self.scene.object(Key::Node(index), &name).shown = Some(shown);
+            if let Some(object) = self.scene.object(Key::Node(index), &name) {
+                object.shown = Some(shown);
+            }
             if let Some(came) = came {
                 self.latency.add(came.elapsed());
             }
