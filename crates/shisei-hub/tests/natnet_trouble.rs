@@ -217,3 +217,15 @@ fn a_frame_that_comes_twice_counts_once() {
     let status = hub.status(Instant::now());
     assert_eq!((&status["inputs"][0]["lost"], &status["sync"]["frames"]), (&10.into(), &90.into()));
 }
+
+/// A count that begins anew with every frame is told once, not with every frame.
+#[test]
+fn what_happens_again_and_again_is_told_once_a_second() {
+    let mut hub = hub();
+    push(&mut hub, write::server_info(&info(Version::V4_1, false, GROUP)));
+    for number in (0..200).rev() {
+        push(&mut hub, frame(number * 1000, 1..2, Version::V4_1));
+    }
+    let told: Vec<_> = std::iter::from_fn(|| hub.told()).collect();
+    assert!(matches!(told.as_slice(), [note] if note.en.contains("anew")), "{told:?}");
+}

@@ -17,7 +17,7 @@ use super::meter::{Latency, Rate};
 use super::mounting::Mounting;
 use super::naming::Naming;
 use super::node::Node;
-use super::note::{ForDoor, Level, Note};
+use super::note::{Level, Note, Notes};
 use super::output::Output;
 use super::recorder::{Ending, Recorder};
 use super::scene::Scene;
@@ -54,6 +54,10 @@ pub(super) struct Port {
     /// The server's newest words about itself and what it streams: a recording begins with them.
     pub words: [Option<Vec<u8>>; 2],
     pub from_gate: Option<bool>,
+    /// When it first brought something.
+    pub since: Instant,
+    /// That nothing of it can be read has been told.
+    pub unreadable: bool,
 }
 
 /// What the cameras say.
@@ -84,7 +88,7 @@ pub struct Hub {
     pub(super) ending: Vec<Ending>,
     /// Files that were not recorded to their end.
     pub(super) unrecorded: Vec<String>,
-    pub(super) for_door: ForDoor,
+    pub(super) notes: Notes,
     pub(super) learner: Learner,
     pub(super) board: Arc<Board>,
     pub(super) aliases: BTreeMap<String, String>,
@@ -130,7 +134,7 @@ impl Hub {
             recorder: None,
             ending: Vec::new(),
             unrecorded: Vec::new(),
-            for_door: ForDoor::default(),
+            notes: Notes::default(),
             learner: Learner::default(),
             board,
             aliases: BTreeMap::new(),
@@ -253,6 +257,8 @@ impl Hub {
                 stream: natnet::Stream::default(),
                 words: [None, None],
                 from_gate: None,
+                since: arrival.at,
+                unreadable: false,
             });
             return Some(self.ports.len() - 1);
         }

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use serde_json::json;
 use shisei_core::Lang;
@@ -12,6 +13,8 @@ use super::recorder::Record;
 
 /// Notes that wait for the door at most; then the oldest are forgotten.
 const WAITING_MAX: usize = 64;
+/// The same is told again after this time at the earliest: a device that stammers is heard once a second.
+const AGAIN: Duration = Duration::from_secs(1);
 
 /// How bad it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -61,34 +64,46 @@ impl Note {
     }
 }
 
-/// Notes that wait for the door.
+/// Notes that wait for the door, and the newest with its time.
 #[derive(Debug, Default)]
-pub(super) struct ForDoor(VecDeque<Note>);
+pub(super) struct Notes {
+    waiting: VecDeque<Note>,
+    newest: Option<(Note, Instant)>,
+}
 
-impl ForDoor {
-    fn push(&mut self, note: Note) {
-        if self.0.len() >= WAITING_MAX {
-            self.0.pop_front();
+impl Notes {
+    /// Takes a note; false where it has just been told.
+    fn push(&mut self, note: &Note, now: Instant) -> bool {
+        let again = |(told, at): &(Note, Instant)| told == note && now.saturating_duration_since(*at) < AGAIN;
+        if self.newest.as_ref().is_some_and(again) {
+            return false;
         }
-        self.0.push_back(note);
+        self.newest = Some((note.clone(), now));
+        if self.waiting.len() >= WAITING_MAX {
+            self.waiting.pop_front();
+        }
+        self.waiting.push_back(note.clone());
+        true
     }
 }
 
 impl Hub {
     /// Tells clients, the recording and the door something.
     pub(super) fn note(&mut self, note: Note) {
+        if !self.notes.push(&note, Instant::now()) {
+            return;
+        }
         let message =
             json!({"type": "note", "level": note.level.name(), "en": note.en, "ja": note.ja}).to_string();
         // without clients nobody hears it
         let _ = self.board.notes.send(Arc::from(message));
         if let Some(recorder) = &self.recorder {
-            recorder.give(Record::Note(note.en.clone(), unix_ns()));
+            recorder.give(Record::Note(note.en, unix_ns()));
         }
-        self.for_door.push(note);
     }
 
     /// The oldest note that the door has not heard.
     pub fn told(&mut self) -> Option<Note> {
-        self.for_door.0.pop_front()
+        self.notes.waiting.pop_front()
     }
 }

@@ -1,6 +1,7 @@
 //! What receivers say: samples, nodes, losses.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::hub::{Hub, NODES_MAX};
 use super::input::Arrival;
@@ -10,6 +11,9 @@ use super::recorder::Record;
 use super::scene::Key;
 use crate::kept;
 use crate::session::{Item, Sample};
+
+/// Bytes without anything readable among them for so long are not a receiver's.
+const UNREADABLE: Duration = Duration::from_secs(3);
 
 impl Hub {
     pub(super) fn serial(&mut self, arrival: &Arrival, bytes: &[u8]) {
@@ -34,12 +38,23 @@ impl Hub {
             node.taken = quality.samples;
             node.clock_s = quality.clock_residual_s;
         }
-        self.ports[index].session = Some(session);
+        let port = &mut self.ports[index];
+        port.session = Some(session);
+        let waited = arrival.at.saturating_duration_since(port.since);
+        let unreadable = after.frames == 0 && waited > UNREADABLE && !port.unreadable;
+        port.unreadable |= unreadable;
         self.pulses.add(arrival.at, (after.pulses - before.pulses) as u32);
         if let Some(input) = self.inputs.get_mut(arrival.input) {
             input.rate.add(arrival.at, (after.samples - before.samples) as u32);
             input.lost += after.lost - before.lost;
             input.bad += after.garbage - before.garbage;
+        }
+        if unreadable {
+            self.note(Note::new(
+                Level::Warning,
+                format!("{name}: nothing readable comes from the port; is it a receiver's?"),
+                format!("{name}：読めるデータが届いていません。レシーバのポートか確認してください"),
+            ));
         }
         for item in items.drain(..) {
             if let Some(recorder) = &self.recorder
