@@ -9,12 +9,13 @@ use shisei_hub::live::{Board, Hub, Kind, Settings, What};
 /// Bytes of a port, one lot a second; what is told of them.
 fn told(lot: impl Fn(usize) -> Vec<u8>) -> Vec<shisei_hub::live::Note> {
     let board = Arc::new(Board::new("{}"));
-    let mut hub = Hub::new(Settings::default(), vec![("port".into(), Kind::Serial)], Vec::new(), board);
+    let mut hub =
+        Hub::new(Settings::default(), vec![("/dev/ttyUSB0".into(), Kind::Serial)], Vec::new(), board);
     let begun = Instant::now();
     for second in 0..10 {
         let at = begun + Duration::from_secs(second as u64);
         let what = What::Serial(lot(second));
-        hub.push(ToHub::Arrival(Arrival { input: 0, port: Arc::from("ttyUSB0"), at, unix_ns: 0, what }));
+        hub.push(ToHub::Arrival(Arrival { input: 0, port: "ttyUSB0".into(), at, unix_ns: 0, what }));
     }
     std::iter::from_fn(|| hub.told()).collect()
 }

@@ -203,10 +203,19 @@ fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
     for path in &args.replay {
         let unreadable = |error: io::Error| {
             let shown = path.display();
+            let (en, ja) = match error.kind() {
+                // the words of the decoder would help nobody
+                io::ErrorKind::InvalidData | io::ErrorKind::UnexpectedEof => (
+                    "there are no bytes of a receiver or of Motive in it, or it is damaged at its beginning"
+                        .to_owned(),
+                    "レシーバや Motive から届いたデータを含まないか、先頭が破損しています".to_owned(),
+                ),
+                _ => (error.to_string(), error.to_string()),
+            };
             Failure::input(say(
                 lang,
-                format!("{shown}: {error}; a recording of shisei record or shisei live is expected"),
-                format!("{shown}：{error}。shisei record または shisei live の記録を指定してください"),
+                format!("{shown}: {en}; a recording of shisei record or shisei live is expected"),
+                format!("{shown}：{ja}。shisei record または shisei live の記録を指定してください"),
             ))
         };
         let file = std::fs::read(path).map_err(unreadable)?;

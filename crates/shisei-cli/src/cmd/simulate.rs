@@ -47,12 +47,14 @@ fn settings(args: &LabArgs, lang: Lang) -> Outcome<Settings> {
     for text in &args.outage {
         let parts = numbers(text).unwrap_or_default();
         let &[node, from_s, to_s] = parts.as_slice() else { return Err(wrong("--outage")) };
+        check(node < args.nodes as f64 && from_s <= to_s, "--outage")?;
         outages.push(Outage { node: node as usize, from_s, to_s });
     }
     let mut reboots = Vec::new();
     for text in &args.reboot {
         let parts = numbers(text).unwrap_or_default();
         let &[node, at_s] = parts.as_slice() else { return Err(wrong("--reboot")) };
+        check(node < args.nodes as f64, "--reboot")?;
         reboots.push((node as usize, at_s));
     }
     let mut calibrations = Vec::new();

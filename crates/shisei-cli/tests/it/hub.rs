@@ -240,6 +240,13 @@ fn a_recording_that_cannot_be_made_and_a_port_that_is_not_there_are_said() {
     let ran = desk.run(&[&record[..], &listen, &["--lang", "ja"]].concat());
     assert!(ran.code == 2 && ran.stderr.contains("書き込めませんでした"), "{}", ran.stderr);
 
+    std::fs::write(desk.file("other.mcap"), b"no recording").expect("a file");
+    let replay = ["live", "--replay", "other.mcap"];
+    let ran = desk.run(&[&replay[..], &listen].concat());
+    assert!(ran.code == 2 && ran.stderr.contains("other.mcap: there are no bytes"), "{}", ran.stderr);
+    let ran = desk.run(&[&replay[..], &listen, &["--lang", "ja"]].concat());
+    assert!(ran.code == 2 && ran.stderr.contains("先頭が破損"), "{}", ran.stderr);
+
     let serial = ["live", "--serial", "no-such-port", "--for", "1"];
     let ran = desk.run(&[&serial[..], &listen].concat());
     assert_eq!(ran.code, 0, "{}", ran.stderr);

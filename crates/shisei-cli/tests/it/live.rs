@@ -96,6 +96,11 @@ fn a_file_of_bytes_is_recorded_like_a_port() {
     assert!(ran.stderr.contains("サンプル"), "{}", ran.stderr);
     assert_eq!(raw(&desk.file("take.mcap")), std::fs::read(desk.file("bytes.bin")).expect("the bytes"));
     assert_eq!(desk.run(&["simulate", "lab", "--nodes", "7", "-o", "x"]).code, 2);
+    // two nodes, so there is no third to be restarted or taken out of reach
+    for wrong in [["--reboot", "2:3"], ["--outage", "2:1:3"], ["--outage", "1:3:1"]] {
+        let ran = desk.run(&[&["simulate", "lab", "-o", "x"][..], &wrong].concat());
+        assert!(ran.code == 2 && ran.stderr.contains(wrong[0]), "{wrong:?}: {}", ran.stderr);
+    }
 }
 
 /// From a recording of poses to a node that corrects its own readings.

@@ -50,6 +50,7 @@ impl Hub {
             input.bad += after.garbage - before.garbage;
         }
         if unreadable {
+            let name = self.inputs.get(arrival.input).map_or("", |input| input.name.as_str());
             self.note(Note::new(
                 Level::Warning,
                 format!("{name}: nothing readable comes from the port; is it a receiver's?"),
