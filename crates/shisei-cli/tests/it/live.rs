@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+use shisei_hub::Item;
 
 use crate::run::Desk;
 
@@ -79,6 +80,13 @@ fn nodes_are_listed_and_named() {
     let named = desk.run(&["devices", &lab.port, "--rename", "0=left", "--identify", "all"]);
     assert_eq!(named.code, 0, "{}", named.stderr);
     assert!(named.stdout.contains("left") && named.stdout.contains("node 1"), "{}", named.stdout);
+    // the shortest recording has the names, too
+    let ran = desk.run(&["record", &lab.port, "-o", "short.mcap", "--for", "2"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let (mut session, mut items) = (shisei_hub::Session::default(), Vec::new());
+    session.push(&raw(&desk.file("short.mcap")), &mut items);
+    let named = |item: &Item| matches!(item, Item::Node(node) if node.name == "left");
+    assert!(items.iter().any(named), "no name in the recording");
     let wrong = desk.run(&["devices", &lab.port, "--identify", "5"]);
     assert_eq!(wrong.code, 1, "{}", wrong.stderr);
     let wrong = desk.run(&["devices", &lab.port, "--configure", "0=best,4,2000,8"]);

@@ -44,6 +44,15 @@ pub(super) struct InputState {
     pub outbox: Option<Outbox>,
 }
 
+impl InputState {
+    /// Has the receiver at a port tell nodes' names and calibrations now, not within ten seconds.
+    pub fn ask(&self, port: &Arc<str>) {
+        if let (Some(outbox), Some(bytes)) = (&self.outbox, command_bytes(Command::Ask)) {
+            outbox.push(port, bytes);
+        }
+    }
+}
+
 /// One port of one input.
 #[derive(Debug)]
 pub(super) struct Port {
@@ -245,10 +254,8 @@ impl Hub {
         let found =
             self.ports.iter().position(|port| port.input == arrival.input && *port.name == *arrival.port);
         if found.is_none() && self.ports.len() < PORTS_MAX {
-            // names and calibrations are told now, not within ten seconds
-            let outbox = self.inputs.get(arrival.input).and_then(|input| input.outbox.as_ref());
-            if let (Some(outbox), Some(bytes)) = (outbox, command_bytes(Command::Ask)) {
-                outbox.push(&arrival.port, bytes);
+            if let Some(input) = self.inputs.get(arrival.input) {
+                input.ask(&arrival.port);
             }
             self.ports.push(Port {
                 input: arrival.input,

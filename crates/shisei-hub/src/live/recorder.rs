@@ -222,6 +222,12 @@ impl Hub {
                 recorder.give(Record::Raw(Arc::clone(&port.name), words.clone(), now_ns));
             }
         }
+        for port in &self.ports {
+            // names and calibrations belong into it
+            if let Some(input) = self.inputs.get(port.input) {
+                input.ask(&port.name);
+            }
+        }
         let file = recorder.file();
         self.recorder = Some(recorder);
         (0..self.nodes.len()).for_each(|node| self.smooth(node));
