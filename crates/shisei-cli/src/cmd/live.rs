@@ -177,6 +177,15 @@ fn outputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Output>>> {
     Ok(outputs)
 }
 
+/// What is given out is asked for again: the same poses would go round and round.
+fn feeds_itself(natnet: &str, natnet_out: &str) -> bool {
+    let asked = natnet
+        .parse::<SocketAddrV4>()
+        .or_else(|_| natnet.parse::<Ipv4Addr>().map(|ip| SocketAddrV4::new(ip, COMMAND_PORT)));
+    let given = natnet_address(natnet_out).map(|(address, command, _)| SocketAddrV4::new(address, command));
+    given.is_some_and(|given| asked == Ok(given))
+}
+
 /// `ADDR` or `ADDR:CMD:DATA`.
 fn natnet_address(text: &str) -> Option<(Ipv4Addr, u16, u16)> {
     let mut parts = text.split(':');
@@ -198,6 +207,17 @@ fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
         inputs.push(Box::new(Serial { port: port.clone() }));
     }
     if let Some(host) = &args.natnet {
+        if args.natnet_out.as_ref().is_some_and(|out| feeds_itself(host, out)) {
+            return Err(Failure::input(say(
+                lang,
+                format!(
+                    "--natnet {host} is what --natnet-out gives out itself; name Motive's address, or other ports to give out on"
+                ),
+                format!(
+                    "--natnet {host} は --natnet-out の送信元と同じです。Motive のアドレスか、送信用の別のポートを指定してください"
+                ),
+            )));
+        }
         inputs.push(Box::new(Client::new(host)));
     }
     for path in &args.replay {

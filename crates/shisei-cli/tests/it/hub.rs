@@ -247,6 +247,12 @@ fn a_recording_that_cannot_be_made_and_a_port_that_is_not_there_are_said() {
     let ran = desk.run(&[&replay[..], &listen, &["--lang", "ja"]].concat());
     assert!(ran.code == 2 && ran.stderr.contains("先頭が破損"), "{}", ran.stderr);
 
+    for (from, out) in [("127.0.0.1:1520", "127.0.0.1:1520:1521"), ("127.0.0.1", "127.0.0.1")] {
+        let ran =
+            desk.run(&[&["live", "--natnet", from, "--natnet-out", out, "--for", "1"][..], &listen].concat());
+        assert!(ran.code == 2 && ran.stderr.contains("gives out itself"), "{}", ran.stderr);
+    }
+
     let serial = ["live", "--serial", "no-such-port", "--for", "1"];
     let ran = desk.run(&[&serial[..], &listen].concat());
     assert_eq!(ran.code, 0, "{}", ran.stderr);

@@ -39,7 +39,7 @@ impl Hub {
         if let Some(answer) = self.learner.answer() {
             self.learnt(answer.node, answer.found.as_ref());
         }
-        if !self.learner.free() || self.optical.past.step_s().is_none() {
+        if !self.learner.free() || !self.optical.past.has_steps() {
             return;
         }
         self.pair_by_name();
