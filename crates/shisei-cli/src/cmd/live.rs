@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -256,8 +256,16 @@ fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
 fn known(paths: &[PathBuf], lang: Lang) -> Outcome<BTreeMap<String, Mounting>> {
     let mut known = BTreeMap::new();
     for path in paths {
-        let (name, mounting) = mounting(path).ok_or_else(|| {
-            let shown = path.display();
+        let shown = path.display();
+        let text = std::fs::read(path).map_err(|error| {
+            let (en, ja) = (format!("{shown}: {error}"), format!("{shown}：{error}"));
+            Failure::input(say(
+                lang,
+                en + "; name what shisei fuse --json printed",
+                ja + "。shisei fuse --json の出力を指定してください",
+            ))
+        })?;
+        let (name, mounting) = mounting(&text).ok_or_else(|| {
             Failure::input(say(
                 lang,
                 format!("{shown}: not what shisei fuse --json prints"),
@@ -269,8 +277,8 @@ fn known(paths: &[PathBuf], lang: Lang) -> Outcome<BTreeMap<String, Mounting>> {
     Ok(known)
 }
 
-fn mounting(path: &Path) -> Option<(String, Mounting)> {
-    let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+fn mounting(text: &[u8]) -> Option<(String, Mounting)> {
+    let value: Value = serde_json::from_slice(text).ok()?;
     Mounting::parse(&value)
 }
 

@@ -216,6 +216,7 @@ fn what_cannot_be_is_said() {
             "--natnet-multicast",
         ),
         (&["live", "--demo", "--pair", "x"], "--pair"),
+        (&["live", "--demo", "--alignment", "absent.json"], "absent.json: "),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_shisei"))
             .args(args)

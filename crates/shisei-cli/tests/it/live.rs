@@ -104,6 +104,12 @@ fn a_file_of_bytes_is_recorded_like_a_port() {
     assert!(ran.stderr.contains("サンプル"), "{}", ran.stderr);
     assert_eq!(raw(&desk.file("take.mcap")), std::fs::read(desk.file("bytes.bin")).expect("the bytes"));
     assert_eq!(desk.run(&["simulate", "lab", "--nodes", "7", "-o", "x"]).code, 2);
+    // its own earlier file is written anew, another is not
+    assert_eq!(desk.run(&["simulate", "lab", "-o", "bytes.bin", "--for", "1"]).code, 0);
+    std::fs::write(desk.file("thesis.txt"), "years of work").expect("written");
+    let ran = desk.run(&["simulate", "lab", "-o", "thesis.txt", "--for", "1"]);
+    assert!(ran.code == 2 && ran.stderr.contains("thesis.txt exists"), "{}", ran.stderr);
+    assert_eq!(std::fs::read(desk.file("thesis.txt")).expect("there"), b"years of work");
     // two nodes, so there is no third to be restarted or taken out of reach
     for wrong in [["--reboot", "2:3"], ["--outage", "2:1:3"], ["--outage", "1:3:1"]] {
         let ran = desk.run(&[&["simulate", "lab", "-o", "x"][..], &wrong].concat());
