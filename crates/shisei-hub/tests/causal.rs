@@ -177,10 +177,10 @@ fn recorded(take: &Take, order: &[Arrival], expected: &[Late]) {
             Arrival::Frame(k) => merger.frame(take.frames[k], &mut moved),
             Arrival::Sample(k) => merger.sample(&take.samples[k], &mut moved),
         }
-        smoothing.taken(3, merger.taken(), count as u64);
+        assert!(smoothing.taken(3, merger.taken(), count as u64));
     }
     merger.release(&mut moved);
-    smoothing.taken(3, merger.taken(), order.len() as u64);
+    assert!(smoothing.taken(3, merger.taken(), order.len() as u64));
     smoothing.end();
     let expected: Vec<&Late> = expected.iter().filter(|late| late.frame.pose.is_some()).collect();
     let recorded: Vec<Record> = std::iter::from_fn(|| recorded.take(Duration::ZERO).ok()).collect();

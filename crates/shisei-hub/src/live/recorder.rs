@@ -302,8 +302,16 @@ impl Hub {
     /// What a node's merger took goes to that estimate as well.
     pub(super) fn smooth_on(&mut self, node: usize, unix_ns: u64) {
         let Some(smoothing) = self.recorder.as_ref().and_then(Recorder::smoothing) else { return };
-        if let Some(merger) = self.nodes.get_mut(node).and_then(|node| node.merger.as_mut()) {
-            smoothing.taken(node, merger.taken(), unix_ns);
+        let Some(place) = self.nodes.get_mut(node) else { return };
+        let Some(merger) = place.merger.as_mut() else { return };
+        if !smoothing.taken(node, merger.taken(), unix_ns) {
+            merger.keep_taken(false);
+            let name = place.name.clone();
+            self.note(Note::new(
+                Level::Warning,
+                format!("{name}: this computer is too slow for the estimate with a delay; in the recording it ends here"),
+                format!("{name}：処理が間に合わないため、遅延を許した推定の記録をここで終えます"),
+            ));
         }
     }
 
