@@ -12,14 +12,14 @@ use serde_json::{Value, json};
 use shisei_core::Lang;
 use shisei_core::frames::Axes;
 use shisei_hub::live::{
-    Door, Input, Kind, Level, Line, Mounting, Note, Output, Parts, Refused, Replay, Settings, State, What,
-    run as run_hub,
+    Door, Input, Mounting, Note, Output, Parts, Refused, Replay, Settings, run as run_hub,
 };
 use shisei_hub::natnet::{COMMAND_PORT, Client, DATA_PORT, NatNetOut};
 use shisei_hub::osc::OscOut;
 use shisei_hub::server::{Access, Serving};
 
-use super::ports::{Feed, Got, stop_flag};
+use super::live_serial::{Serial, recorded_names};
+use super::ports::stop_flag;
 use crate::args_live::Live;
 use crate::demo::Demo;
 use crate::fail::{Failure, Outcome, say};
@@ -28,8 +28,6 @@ use crate::fail::{Failure, Outcome, say};
 const PORT: u16 = 7399;
 /// Where recordings go that are begun in the viewer.
 const RECORDING: &str = "shisei-live.mcap";
-/// From one try to open a lost port to the next.
-const RETRY: Duration = Duration::from_millis(300);
 /// Seed of the demonstration.
 const SEED: u64 = 7;
 
@@ -203,8 +201,8 @@ fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
     if args.demo {
         inputs.push(Box::new(Demo::new(SEED)));
     }
-    for port in &args.serial {
-        inputs.push(Box::new(Serial { port: port.clone() }));
+    for (port, name) in args.serial.iter().zip(recorded_names(&args.serial)) {
+        inputs.push(Box::new(Serial { port: port.clone(), name }));
     }
     if let Some(host) = &args.natnet {
         if args.natnet_out.as_ref().is_some_and(|out| feeds_itself(host, out)) {
@@ -280,77 +278,4 @@ fn known(paths: &[PathBuf], lang: Lang) -> Outcome<BTreeMap<String, Mounting>> {
 fn mounting(text: &[u8]) -> Option<(String, Mounting)> {
     let value: Value = serde_json::from_slice(text).ok()?;
     Mounting::parse(&value)
-}
-
-fn unopened(port: &str, error: &io::Error) -> Note {
-    Note::new(
-        Level::Warning,
-        format!(
-            "{port}: {error}; waiting for it. Is the receiver plugged in, and no other program using the port? `shisei devices` lists ports"
-        ),
-        format!(
-            "{port}：{error}。使用できるまで待ちます。レシーバの接続と、他のプログラムがポートを使用していないことを確認してください。ポートの一覧は shisei devices で表示できます"
-        ),
-    )
-}
-
-/// A receiver on a serial port, waited for when it is gone.
-struct Serial {
-    port: String,
-}
-
-impl Input for Serial {
-    fn name(&self) -> String {
-        self.port.clone()
-    }
-
-    fn kind(&self) -> Kind {
-        Kind::Serial
-    }
-
-    fn run(self: Box<Self>, line: &Line) {
-        let name: Arc<str> = self.port.rsplit(['/', '\\']).next().unwrap_or("port").into();
-        let mut bytes = [0; 4096];
-        let mut told = false;
-        while !line.stopped() {
-            let mut feed = match Feed::open(&self.port) {
-                Ok(feed) => feed,
-                Err(error) => {
-                    // once: of a port that was there it is said that it is gone
-                    if !std::mem::replace(&mut told, true) {
-                        line.note(&name, unopened(&self.port, &error));
-                    }
-                    std::thread::sleep(RETRY);
-                    continue;
-                }
-            };
-            told = true;
-            line.give(&name, What::State(State::Connected));
-            // what was to be said before nobody waits for any more
-            while line.outbox().fetch().is_some() {}
-            while !line.stopped() {
-                // a port that is gone says so when it is read
-                while let Some((_, bytes)) = line.outbox().fetch() {
-                    let _ = feed.write(&bytes);
-                }
-                match feed.read(&mut bytes) {
-                    Ok(Got::Bytes(count)) => {
-                        let bytes = bytes.get(..count).unwrap_or_default().to_vec();
-                        if !line.give(&name, What::Serial(bytes)) {
-                            return;
-                        }
-                    }
-                    Ok(Got::Nothing) => {}
-                    Ok(Got::End) => {
-                        line.give(&name, What::End);
-                        return;
-                    }
-                    Err(_) => {
-                        line.give(&name, What::State(State::Lost));
-                        break;
-                    }
-                }
-            }
-        }
-    }
 }
