@@ -197,3 +197,57 @@ fn a_nodes_calibration_is_passed_on_told_and_read_back() {
     assert_eq!(told(&mut receiver), [(0, None)]);
     receiver.calibration(9, &bytes);
 }
+
+/// A PC opens the port after nobody has read it for long, and asks: what it asks for waits for room, also beside
+/// packets that want the same.
+#[test]
+fn an_answer_is_not_lost_in_a_full_outbox() {
+    let mut receiver = Small::new(3, 0);
+    for place in 0..NODES_MAX {
+        assert_eq!(receiver.advertised([place as u8; 6], 0), Some(place));
+        receiver.connected(place, "left-hand", &[0xe4, 0x0c, 0xd0, 0x09, 0, 1, 0, 1, 0], 10);
+    }
+    let mut sequence = 0;
+    let mut notify = |receiver: &mut Small| {
+        receiver.notification(0, &notification(7, sequence, 0), 20);
+        sequence += 4;
+    };
+    (0..200).for_each(|_| notify(&mut receiver));
+    assert!(receiver.outbox.dropped() > 100);
+    assert_eq!(send(&mut receiver, &Command::Ask), None);
+    // the PC reads a packet of USB at a time, while more notifications come than it reads
+    let mut bytes = Vec::new();
+    for step in 0..400 {
+        let mut packet = [0; 64];
+        let count = receiver.outbox.take(&mut packet);
+        bytes.extend_from_slice(&packet[..count]);
+        receiver.tick(30 + step);
+        notify(&mut receiver);
+    }
+    let (mut deframer, mut hellos, mut nodes, mut kept) = (Deframer::default(), 0, Vec::new(), Vec::new());
+    for byte in &bytes {
+        match deframer.push(*byte).map(|message| Message::decode(message.expect("a whole frame"))) {
+            Some(Ok(Message::Hello(_))) => hellos += 1,
+            Some(Ok(Message::Node(node))) => nodes.push(node.node),
+            Some(Ok(Message::Calibration(told))) => kept.push(told.node),
+            _ => {}
+        }
+    }
+    let all: Vec<u8> = (0..NODES_MAX as u8).collect();
+    // what was told when they connected waited before
+    assert!(
+        hellos >= 1 && nodes == [&all[..], &all].concat() && kept == nodes,
+        "{hellos} {nodes:?} {kept:?}"
+    );
+}
+
+#[test]
+fn a_command_that_a_node_did_not_take_is_told() {
+    let mut receiver = Small::new(3, 0);
+    receiver.advertised([1; 6], 0);
+    receiver.connected(0, "a", &[], 10);
+    let (node, command) = send(&mut receiver, &Command::Identify(0)).expect("for the node");
+    events(&mut receiver);
+    receiver.not_carried_out(node, command[0], 20);
+    assert_eq!(events(&mut receiver), [(EventCode::BadCommand, 0, u32::from(Command::Identify(0).kind()))]);
+}

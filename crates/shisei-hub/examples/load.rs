@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 
 use shisei_core::Quaternion;
 use shisei_core::frames::{Axes, Pose};
-use shisei_hub::live::{Hub, Input, Kind, Line, Parts, Settings, What, run};
+use shisei_hub::live::{Hub, Input, Kind, Line, Parts, Refused, Settings, What, run};
 use shisei_hub::natnet::{self, write};
 use shisei_hub::server::Access;
 use shisei_twin::lab::{self, Lab};
@@ -154,7 +154,9 @@ fn play(events: Vec<(f64, Arc<str>, What)>, speed: f64, recording: Option<&Path>
     };
     let mut settings = Settings { record_now: recording.is_some(), ..Settings::default() };
     settings.record = recording.map_or(settings.record, Path::to_owned);
-    run(settings, parts, &Arc::new(AtomicBool::new(false)), |_| {})
+    run(settings, parts, &Arc::new(AtomicBool::new(false)), &mut ()).map_err(|refused| match refused {
+        Refused::Address(error) | Refused::Recording(error) => error,
+    })
 }
 
 fn main() -> std::io::Result<ExitCode> {

@@ -19,6 +19,7 @@ pub mod kept;
 pub mod live;
 pub mod natnet;
 pub mod osc;
+mod own_address;
 pub mod read;
 pub mod server;
 pub mod session;

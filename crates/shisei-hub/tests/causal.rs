@@ -2,6 +2,8 @@
 //! and what that costs in gaps against the smoother, which knows what came after, and against the estimate with a
 //! delay, which is recorded.
 
+use std::time::Duration;
+
 use shisei_core::alignment::Alignment;
 use shisei_core::estimator::{self, BridgeSettings, LiveBridge, OpticalPose};
 use shisei_core::frames::{Axes, Pose};
@@ -9,6 +11,7 @@ use shisei_core::fuse::delayed::DelayedSettings;
 use shisei_core::fuse::{FuseSettings, Fusion, Inertial, Optical, Source, fuse};
 use shisei_core::{Quaternion, Vec3, vector};
 use shisei_hub::Sample;
+use shisei_hub::live::backlog::backlog;
 use shisei_hub::live::lagged::{Lagged, Late, Smoothing};
 use shisei_hub::live::merge::{Clocking, Coupling, Merger, Moved, Seen};
 use shisei_hub::live::recorder::Record;
@@ -164,7 +167,7 @@ fn late(take: &Take, order: &[Arrival], lag_s: f64, from: usize) -> Vec<Late> {
 fn recorded(take: &Take, order: &[Arrival], expected: &[Late]) {
     let mut merger = Merger::new(take.coupling, &OPTICS).expect("settings");
     let settings = DelayedSettings { optics: OPTICS, ..DelayedSettings::default() };
-    let (records, recorded) = std::sync::mpsc::channel();
+    let (records, recorded) = backlog();
     let smoothing = Smoothing::start(records);
     smoothing.begin(3, "Tool".into(), Lagged::after(&merger, &settings).expect("settings"));
     merger.keep_taken(true);
@@ -174,13 +177,13 @@ fn recorded(take: &Take, order: &[Arrival], expected: &[Late]) {
             Arrival::Frame(k) => merger.frame(take.frames[k], &mut moved),
             Arrival::Sample(k) => merger.sample(&take.samples[k], &mut moved),
         }
-        smoothing.taken(3, merger.taken(), count as u64);
+        assert!(smoothing.taken(3, merger.taken(), count as u64));
     }
     merger.release(&mut moved);
-    smoothing.taken(3, merger.taken(), order.len() as u64);
+    assert!(smoothing.taken(3, merger.taken(), order.len() as u64));
     smoothing.end();
     let expected: Vec<&Late> = expected.iter().filter(|late| late.frame.pose.is_some()).collect();
-    let recorded: Vec<Record> = recorded.iter().collect();
+    let recorded: Vec<Record> = std::iter::from_fn(|| recorded.take(Duration::ZERO).ok()).collect();
     assert_eq!(recorded.len(), expected.len());
     let mut last_ns = 0;
     for (record, late) in recorded.into_iter().zip(expected) {

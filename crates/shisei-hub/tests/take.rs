@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
-use shisei_hub::{Item, Sample, Session, Take, read};
+use shisei_hub::read::{self, Ending};
+use shisei_hub::{Item, Sample, Session, Take};
 use shisei_record::{Input, Options, Problem, open};
 use shisei_twin::lab::{Lab, Settings};
 
@@ -132,6 +133,19 @@ fn a_full_disk_is_said_and_loses_nothing_earlier() {
 fn what_is_no_recording_is_an_error() {
     assert!(read::raw(b"time_s,acc_x\n0,1\n", |_, _, _| {}).is_err());
     assert!(read::raw(b"", |_, _, _| {}).is_err());
+}
+
+#[test]
+fn an_end_that_is_torn_is_told_from_a_whole_one() {
+    let disk = Disk::default();
+    record(disk.clone()).2.unwrap();
+    let file = disk.bytes.lock().unwrap().clone();
+    let ending = |bytes: &[u8]| read::raw(bytes, |_, _, _| {}).unwrap();
+    assert_eq!(ending(&file), Ending::Whole);
+    assert_eq!(ending(&file[..file.len() / 2]), Ending::Torn);
+    let mut damaged = file.clone();
+    damaged[file.len() / 2] ^= 0x40;
+    assert_eq!(ending(&damaged), Ending::Torn);
 }
 
 /// What `shisei orient take.mcap` and `shisei fuse` read: the session's samples, and their frames as a column.

@@ -14,6 +14,7 @@
 
 mod bytes;
 pub mod calibration;
+mod command;
 pub mod frame;
 pub mod gatt;
 pub mod message;

@@ -2,7 +2,9 @@
 
 use crate::bytes::{Put, Take};
 use crate::calibration::Calibration;
-use crate::gatt::{NAME_MAX, NOTIFICATION_MAX};
+use crate::command;
+pub use crate::command::Command;
+use crate::gatt::NOTIFICATION_MAX;
 pub use crate::settings::{SETTINGS_BYTES, Settings};
 use crate::{Error, Result, VERSION};
 
@@ -171,65 +173,7 @@ pub struct NodeCalibration {
     pub calibration: Option<Calibration>,
 }
 
-/// What the PC can ask for. A node is a place in the receiver, [`NO_NODE`] all of them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Command<'a> {
-    /// 129: say [`Hello`] and all nodes. No fields.
-    Ask,
-    /// 130: blink for ten seconds. Node.
-    Identify(u8),
-    /// 131: find the bias anew; the node lies still for two seconds. Node.
-    Calibrate(u8),
-    /// 132: take this name. Node, then the name.
-    Rename(u8, &'a str),
-    /// 133: take these settings. Node, then [`Settings`].
-    Configure(u8, Settings),
-    /// 134: keep this calibration; none: forget the one that is kept. Node, then [`Calibration`] or nothing.
-    Keep(u8, Option<Calibration>),
-}
-
-impl Command<'_> {
-    /// The byte that says which.
-    pub fn kind(&self) -> u8 {
-        match self {
-            Command::Ask => 129,
-            Command::Identify(_) => 130,
-            Command::Calibrate(_) => 131,
-            Command::Rename(..) => 132,
-            Command::Configure(..) => 133,
-            Command::Keep(..) => 134,
-        }
-    }
-
-    /// Which node is asked.
-    pub fn node(&self) -> u8 {
-        match *self {
-            Command::Ask => NO_NODE,
-            Command::Identify(node)
-            | Command::Calibrate(node)
-            | Command::Rename(node, _)
-            | Command::Configure(node, _)
-            | Command::Keep(node, _) => node,
-        }
-    }
-}
-
-impl<'a> Command<'a> {
-    /// A command as a node is written it ([`crate::gatt::CONTROL`]): kind and fields, without version and node.
-    /// Refused as by [`Message::decode`].
-    pub fn decode_for_node(bytes: &'a [u8]) -> Result<Self> {
-        let (kind, fields) = bytes.split_first().ok_or(Error::Length)?;
-        let mut take = Take(fields);
-        let command = take_command(*kind, NO_NODE, &mut take)?;
-        take.end()?;
-        Ok(command)
-    }
-}
-
 const TEMPERATURE_UNKNOWN: i16 = i16::MIN;
-/// Kinds of commands that name a node.
-const FOR_NODES: core::ops::RangeInclusive<u8> = 130..=134;
-
 impl<'a> Message<'a> {
     /// Writes a message; returns its length. Refused: a buffer too short, a name, packet or batch too long.
     pub fn encode(&self, out: &mut [u8]) -> Result<usize> {
@@ -278,16 +222,16 @@ impl<'a> Message<'a> {
                 put.u16(node.battery_mv)?;
                 put.i16(node.temperature_centi_c.unwrap_or(TEMPERATURE_UNKNOWN))?;
                 put.bytes(&node.firmware)?;
-                put_name(&mut put, node.name)?;
+                command::put_name(&mut put, node.name)?;
             }
             Message::Calibration(kept) => {
                 put.u8(6)?;
                 put.u8(kept.node)?;
-                put_calibration(&mut put, kept.calibration.as_ref())?;
+                command::put_calibration(&mut put, kept.calibration.as_ref())?;
             }
             Message::Command(command) => {
                 put.u8(command.kind())?;
-                put_command(&mut put, command)?;
+                command::put(&mut put, command)?;
             }
         }
         Ok(put.done())
@@ -341,82 +285,24 @@ impl<'a> Message<'a> {
                     battery_mv,
                     temperature_centi_c: (temperature != TEMPERATURE_UNKNOWN).then_some(temperature),
                     firmware,
-                    name: take_name(&mut take)?,
+                    name: command::take_name(&mut take)?,
                 })
             }
             6 => {
                 let node = take.u8()?;
-                Message::Calibration(NodeCalibration { node, calibration: take_calibration(&mut take)? })
+                Message::Calibration(NodeCalibration {
+                    node,
+                    calibration: command::take_calibration(&mut take)?,
+                })
             }
             kind => {
-                let node = if FOR_NODES.contains(&kind) { take.u8()? } else { NO_NODE };
-                Message::Command(take_command(kind, node, &mut take)?)
+                let node = if command::FOR_NODES.contains(&kind) { take.u8()? } else { NO_NODE };
+                Message::Command(command::take(kind, node, &mut take)?)
             }
         };
         take.end()?;
         Ok(message)
     }
-}
-
-fn put_command(put: &mut Put<'_>, command: &Command<'_>) -> Result<()> {
-    match *command {
-        Command::Ask => Ok(()),
-        Command::Identify(node) | Command::Calibrate(node) => put.u8(node),
-        Command::Rename(node, name) => {
-            put.u8(node)?;
-            put_name(put, name)
-        }
-        Command::Configure(node, settings) => {
-            let settings = settings.encode()?;
-            put.u8(node)?;
-            put.bytes(&settings)
-        }
-        Command::Keep(node, ref calibration) => {
-            put.u8(node)?;
-            put_calibration(put, calibration.as_ref())
-        }
-    }
-}
-
-fn take_command<'a>(kind: u8, node: u8, take: &mut Take<'a>) -> Result<Command<'a>> {
-    Ok(match kind {
-        129 => Command::Ask,
-        130 => Command::Identify(node),
-        131 => Command::Calibrate(node),
-        132 => Command::Rename(node, take_name(take)?),
-        133 => {
-            let fields = [take.u8()?, take.u8()?, take.u8()?, take.u8()?];
-            Command::Configure(node, Settings::decode(fields)?)
-        }
-        134 => Command::Keep(node, take_calibration(take)?),
-        other => return Err(Error::Kind(other)),
-    })
-}
-
-fn put_calibration(put: &mut Put<'_>, calibration: Option<&Calibration>) -> Result<()> {
-    match calibration {
-        Some(calibration) => put.bytes(&calibration.encode()?),
-        None => Ok(()),
-    }
-}
-
-fn take_calibration(take: &mut Take<'_>) -> Result<Option<Calibration>> {
-    match core::mem::take(&mut take.0) {
-        [] => Ok(None),
-        bytes => Calibration::decode(bytes).map(Some),
-    }
-}
-
-fn put_name(put: &mut Put<'_>, name: &str) -> Result<()> {
-    if name.len() > NAME_MAX { Err(Error::TooLong) } else { put.bytes(name.as_bytes()) }
-}
-
-fn take_name<'a>(take: &mut Take<'a>) -> Result<&'a str> {
-    let bytes = core::mem::take(&mut take.0);
-    if bytes.len() > NAME_MAX {
-        return Err(Error::TooLong);
-    }
-    core::str::from_utf8(bytes).map_err(|_| Error::Value)
 }
 
 fn two_bits(low: bool, high: bool) -> u8 {

@@ -75,8 +75,21 @@ impl<'a, K: Clock, const OUT: usize> Radio<'a, K, OUT> {
         }
     }
 
-    /// Sends a command on; false where a node has too many before it.
+    /// Sends a command on; false, and told to the PC, where a node has too many before it.
     pub fn send(&self, command: &ToNode) -> bool {
+        let sent = self.pass_on(command);
+        if !sent {
+            self.not_carried_out(command.node, command.bytes());
+        }
+        sent
+    }
+
+    fn not_carried_out(&self, node: u8, command: &[u8]) {
+        let kind = command.first().copied().unwrap_or(0);
+        self.receiver.borrow_mut().not_carried_out(node, kind, self.clock.now_us());
+    }
+
+    fn pass_on(&self, command: &ToNode) -> bool {
         let Ok(bytes) = Command::from_slice(command.bytes()) else { return false };
         let meant = |place: usize| command.node == NO_NODE || usize::from(command.node) == place;
         let places = self.commands.iter().enumerate().filter(|(place, _)| meant(*place));
@@ -323,8 +336,10 @@ async fn talk<C: trouble_host::Controller, K: Clock, const OUT: usize>(
         loop {
             match select(commands.receive(), Timer::after(STATUS_EVERY)).await {
                 Either::First(command) => {
-                    // What a node refuses is not done; a link that is gone is noticed elsewhere.
-                    let _ = client.write_characteristic(&control, &command).await;
+                    // A link that is gone is noticed elsewhere as well.
+                    if client.write_characteristic(&control, &command).await.is_err() {
+                        radio.not_carried_out(place as u8, &command);
+                    }
                     if command.first() == Some(&KEEP) {
                         Timer::after(SETTLING).await;
                         read_back(client, radio, place, kept.as_ref()).await;

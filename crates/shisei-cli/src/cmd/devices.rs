@@ -128,6 +128,7 @@ impl Answer {
             format!("{port}: receiver {major}.{minor}.{patch}, {dropped} frames dropped\n"),
             format!("{port}：レシーバ {major}.{minor}.{patch}、破棄 {dropped} フレーム\n"),
         );
+        let comma = say(lang, ", ", "、");
         for node in &self.nodes {
             let state = if node.connected {
                 say(lang, "connected", "接続中")
@@ -136,7 +137,7 @@ impl Answer {
             };
             let temperature = node
                 .temperature_centi_c
-                .map(|t| format!(", {:.1} °C", f64::from(t) / 100.0))
+                .map(|t| format!("{comma}{:.1} °C", f64::from(t) / 100.0))
                 .unwrap_or_default();
             let calibrated = self.kept_by(node.node).map_or_else(String::new, |kept| {
                 let id = kept.id();
@@ -144,7 +145,7 @@ impl Answer {
             });
             let volts = f64::from(node.battery_mv) / 1000.0;
             text += &format!(
-                "  {} {} {}  {state}, {volts:.2} V{temperature}{calibrated}\n",
+                "  {} {} {}  {state}{comma}{volts:.2} V{temperature}{calibrated}\n",
                 node.node, node.address, node.name
             );
         }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, SocketAddrV4};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -12,13 +12,14 @@ use serde_json::{Value, json};
 use shisei_core::Lang;
 use shisei_core::frames::Axes;
 use shisei_hub::live::{
-    Input, Kind, Line, Mounting, Output, Parts, Replay, Settings, State, What, run as run_hub,
+    Door, Input, Mounting, Note, Output, Parts, Refused, Replay, Settings, run as run_hub,
 };
 use shisei_hub::natnet::{COMMAND_PORT, Client, DATA_PORT, NatNetOut};
 use shisei_hub::osc::OscOut;
 use shisei_hub::server::{Access, Serving};
 
-use super::ports::{Feed, Got, stop_flag};
+use super::live_serial::{Serial, recorded_names};
+use super::ports::stop_flag;
 use crate::args_live::Live;
 use crate::demo::Demo;
 use crate::fail::{Failure, Outcome, say};
@@ -27,8 +28,6 @@ use crate::fail::{Failure, Outcome, say};
 const PORT: u16 = 7399;
 /// Where recordings go that are begun in the viewer.
 const RECORDING: &str = "shisei-live.mcap";
-/// From one try to open a lost port to the next.
-const RETRY: Duration = Duration::from_millis(300);
 /// Seed of the demonstration.
 const SEED: u64 = 7;
 
@@ -68,40 +67,67 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
             stop.store(true, Ordering::Relaxed);
         });
     }
-    let address = parts.access.address;
-    let hub = run_hub(settings, parts, &stop, |serving| announce(serving, args.json, lang));
-    let hub = hub.map_err(|error| {
-        Failure::input(say(
+    let (address, file) = (parts.access.address, settings.record.clone());
+    let mut door = Terminal { as_json: args.json, lang };
+    let hub = run_hub(settings, parts, &stop, &mut door).map_err(|refused| match refused {
+        Refused::Address(error) => Failure::input(say(
             lang,
             format!("{address}: {error}; choose another port with --listen 127.0.0.1:PORT"),
             format!("{address}：{error}。--listen 127.0.0.1:PORT で別のポートを指定してください"),
-        ))
+        )),
+        Refused::Recording(error) => {
+            let file = file.display();
+            Failure::input(say(
+                lang,
+                format!("{file} could not be written ({error}); choose another place with --record"),
+                format!("{file} に書き込めませんでした ({error})。--record で別の場所を指定してください"),
+            ))
+        }
     })?;
     let (lost, samples) = hub.losses();
     eprintln!(
         "{}",
         say(lang, format!("{samples} samples, {lost} lost"), format!("{samples} サンプル、欠落 {lost}"))
     );
-    Ok(())
+    match hub.unrecorded().first() {
+        None => Ok(()),
+        Some(file) => Err(Failure::input(say(
+            lang,
+            format!("{file} is not complete; what is said above tells why"),
+            format!("{file} の記録は不完全です。理由は上の表示をご覧ください"),
+        ))),
+    }
 }
 
-fn announce(serving: &Serving, as_json: bool, lang: Lang) {
-    let url = serving.url();
-    if as_json {
-        println!("{}", json!({"url": url, "token": serving.access.token}));
-    } else {
-        println!("{url}");
+/// What is said where the command was given; the viewer says the same.
+struct Terminal {
+    as_json: bool,
+    lang: Lang,
+}
+
+impl Door for Terminal {
+    fn serving(&mut self, serving: &Serving) {
+        let url = serving.url();
+        if self.as_json {
+            println!("{}", json!({"url": url, "token": serving.access.token}));
+        } else {
+            println!("{url}");
+        }
+        // nobody reads it: the viewer works all the same
+        let _ = io::stdout().flush();
+        eprintln!(
+            "{}",
+            say(
+                self.lang,
+                "open this address in a browser; Ctrl-C stops",
+                "このアドレスをブラウザで開いてください。Ctrl-C で終了します",
+            )
+        );
     }
-    // nobody reads it: the viewer works all the same
-    let _ = io::stdout().flush();
-    eprintln!(
-        "{}",
-        say(
-            lang,
-            "open this address in a browser; Ctrl-C stops",
-            "このアドレスをブラウザで開いてください。Ctrl-C で終了します",
-        )
-    );
+
+    fn note(&mut self, note: &Note) {
+        eprintln!("{}", note.sentence(self.lang));
+    }
 }
 
 fn wrong(what: &str, lang: Lang) -> Failure {
@@ -149,6 +175,15 @@ fn outputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Output>>> {
     Ok(outputs)
 }
 
+/// What is given out is asked for again: the same poses would go round and round.
+fn feeds_itself(natnet: &str, natnet_out: &str) -> bool {
+    let asked = natnet
+        .parse::<SocketAddrV4>()
+        .or_else(|_| natnet.parse::<Ipv4Addr>().map(|ip| SocketAddrV4::new(ip, COMMAND_PORT)));
+    let given = natnet_address(natnet_out).map(|(address, command, _)| SocketAddrV4::new(address, command));
+    given.is_some_and(|given| asked == Ok(given))
+}
+
 /// `ADDR` or `ADDR:CMD:DATA`.
 fn natnet_address(text: &str) -> Option<(Ipv4Addr, u16, u16)> {
     let mut parts = text.split(':');
@@ -166,19 +201,39 @@ fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
     if args.demo {
         inputs.push(Box::new(Demo::new(SEED)));
     }
-    for port in &args.serial {
-        inputs.push(Box::new(Serial { port: port.clone() }));
+    for (port, name) in args.serial.iter().zip(recorded_names(&args.serial)) {
+        inputs.push(Box::new(Serial { port: port.clone(), name }));
     }
     if let Some(host) = &args.natnet {
+        if args.natnet_out.as_ref().is_some_and(|out| feeds_itself(host, out)) {
+            return Err(Failure::input(say(
+                lang,
+                format!(
+                    "--natnet {host} is what --natnet-out gives out itself; name Motive's address, or other ports to give out on"
+                ),
+                format!(
+                    "--natnet {host} は --natnet-out の送信元と同じです。Motive のアドレスか、送信用の別のポートを指定してください"
+                ),
+            )));
+        }
         inputs.push(Box::new(Client::new(host)));
     }
     for path in &args.replay {
         let unreadable = |error: io::Error| {
             let shown = path.display();
+            let (en, ja) = match error.kind() {
+                // the words of the decoder would help nobody
+                io::ErrorKind::InvalidData | io::ErrorKind::UnexpectedEof => (
+                    "there are no bytes of a receiver or of Motive in it, or it is damaged at its beginning"
+                        .to_owned(),
+                    "レシーバや Motive から届いたデータを含まないか、先頭が破損しています".to_owned(),
+                ),
+                _ => (error.to_string(), error.to_string()),
+            };
             Failure::input(say(
                 lang,
-                format!("{shown}: {error}; a recording of shisei record or shisei live is expected"),
-                format!("{shown}：{error}。shisei record または shisei live の記録を指定してください"),
+                format!("{shown}: {en}; a recording of shisei record or shisei live is expected"),
+                format!("{shown}：{ja}。shisei record または shisei live の記録を指定してください"),
             ))
         };
         let file = std::fs::read(path).map_err(unreadable)?;
@@ -199,8 +254,16 @@ fn inputs(args: &Live, lang: Lang) -> Outcome<Vec<Box<dyn Input>>> {
 fn known(paths: &[PathBuf], lang: Lang) -> Outcome<BTreeMap<String, Mounting>> {
     let mut known = BTreeMap::new();
     for path in paths {
-        let (name, mounting) = mounting(path).ok_or_else(|| {
-            let shown = path.display();
+        let shown = path.display();
+        let text = std::fs::read(path).map_err(|error| {
+            let (en, ja) = (format!("{shown}: {error}"), format!("{shown}：{error}"));
+            Failure::input(say(
+                lang,
+                en + "; name what shisei fuse --json printed",
+                ja + "。shisei fuse --json の出力を指定してください",
+            ))
+        })?;
+        let (name, mounting) = mounting(&text).ok_or_else(|| {
             Failure::input(say(
                 lang,
                 format!("{shown}: not what shisei fuse --json prints"),
@@ -212,59 +275,7 @@ fn known(paths: &[PathBuf], lang: Lang) -> Outcome<BTreeMap<String, Mounting>> {
     Ok(known)
 }
 
-fn mounting(path: &Path) -> Option<(String, Mounting)> {
-    let value: Value = serde_json::from_slice(&std::fs::read(path).ok()?).ok()?;
+fn mounting(text: &[u8]) -> Option<(String, Mounting)> {
+    let value: Value = serde_json::from_slice(text).ok()?;
     Mounting::parse(&value)
-}
-
-/// A receiver on a serial port, waited for when it is gone.
-struct Serial {
-    port: String,
-}
-
-impl Input for Serial {
-    fn name(&self) -> String {
-        self.port.clone()
-    }
-
-    fn kind(&self) -> Kind {
-        Kind::Serial
-    }
-
-    fn run(self: Box<Self>, line: &Line) {
-        let name: Arc<str> = self.port.rsplit(['/', '\\']).next().unwrap_or("port").into();
-        let mut bytes = [0; 4096];
-        while !line.stopped() {
-            let Ok(mut feed) = Feed::open(&self.port) else {
-                std::thread::sleep(RETRY);
-                continue;
-            };
-            line.give(&name, What::State(State::Connected));
-            // what was to be said before nobody waits for any more
-            while line.outbox().fetch().is_some() {}
-            while !line.stopped() {
-                // a port that is gone says so when it is read
-                while let Some((_, bytes)) = line.outbox().fetch() {
-                    let _ = feed.write(&bytes);
-                }
-                match feed.read(&mut bytes) {
-                    Ok(Got::Bytes(count)) => {
-                        let bytes = bytes.get(..count).unwrap_or_default().to_vec();
-                        if !line.give(&name, What::Serial(bytes)) {
-                            return;
-                        }
-                    }
-                    Ok(Got::Nothing) => {}
-                    Ok(Got::End) => {
-                        line.give(&name, What::End);
-                        return;
-                    }
-                    Err(_) => {
-                        line.give(&name, What::State(State::Lost));
-                        break;
-                    }
-                }
-            }
-        }
-    }
 }

@@ -12,6 +12,7 @@ mod earth_text;
 pub mod fuse;
 pub mod info;
 pub mod live;
+mod live_serial;
 pub mod motion;
 pub mod orient;
 mod ports;

@@ -1,10 +1,10 @@
-//! What `devices`, `record` and `simulate` share: ports, times, an orderly stop.
+//! What `devices`, `record` and `simulate` share: ports, an orderly stop.
 
 use std::fs::File;
 use std::io::{self, Read, Write};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, SystemTime, UNIX_EPOCH};
+use std::time::Duration;
 
 use shisei_core::Lang;
 
@@ -92,9 +92,4 @@ pub fn stop_flag() -> Arc<AtomicBool> {
     // Where there is no such thing as Ctrl-C the program simply ends; recordings survive that.
     let _ = ctrlc::set_handler(move || set.store(true, Ordering::Relaxed));
     stop
-}
-
-/// Now, ns since 1970.
-pub fn unix_ns() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
 }

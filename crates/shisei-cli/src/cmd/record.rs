@@ -1,6 +1,6 @@
 //! `shisei record`: a receiver's data into a recording that survives whatever happens.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -9,10 +9,12 @@ use std::time::{Duration, Instant};
 
 use serde_json::json;
 use shisei_core::Lang;
+use shisei_hub::live::input::unix_ns;
+use shisei_hub::session::command_bytes;
 use shisei_hub::{Item, Session, Take};
-use shisei_wire::message::EventCode;
+use shisei_wire::message::{Command, EventCode};
 
-use super::ports::{Feed, Got, no_port, stop_flag, unix_ns};
+use super::ports::{Feed, Got, no_port, stop_flag};
 use crate::args_live::Record;
 use crate::fail::{Failure, Outcome, say};
 
@@ -87,6 +89,15 @@ fn unwritable(args: &Record, error: &io::Error, lang: Lang) -> Failure {
     ))
 }
 
+/// Has the receiver tell its nodes' names and calibrations now, not within ten seconds: a short recording has them, too,
+/// behind each node's first sample.
+fn ask(feed: &mut Feed) {
+    if let Some(bytes) = command_bytes(Command::Ask) {
+        // a port that is gone says so when it is read
+        let _ = feed.write(&bytes);
+    }
+}
+
 struct Recorder<'a> {
     args: &'a Record,
     lang: Lang,
@@ -94,6 +105,9 @@ struct Recorder<'a> {
     session: Session,
     items: Vec<Item>,
     names: BTreeMap<u8, String>,
+    /// Nodes with samples, and whether there is one more since the receiver was asked.
+    sampled: BTreeSet<u8>,
+    heard_anew: bool,
     tagged: u64,
     interruptions: u32,
     shown_lines: usize,
@@ -111,6 +125,8 @@ impl<'a> Recorder<'a> {
             session: Session::default(),
             items: Vec::new(),
             names: BTreeMap::new(),
+            sampled: BTreeSet::new(),
+            heard_anew: false,
             tagged: 0,
             interruptions: 0,
             shown_lines: 0,
@@ -134,6 +150,9 @@ impl<'a> Recorder<'a> {
                 Ok(Got::Bytes(count)) => {
                     let frames = self.session.counts().frames;
                     self.bytes(bytes.get(..count).unwrap_or_default())?;
+                    if std::mem::take(&mut self.heard_anew) {
+                        ask(feed);
+                    }
                     if self.session.counts().frames > frames {
                         heard = Instant::now();
                         silence_said = false;
@@ -189,7 +208,10 @@ impl<'a> Recorder<'a> {
     /// What the user should know at once.
     fn hear(&mut self, item: &Item) {
         match item {
-            Item::Sample(sample) => self.tagged += u64::from(sample.frame.is_some()),
+            Item::Sample(sample) => {
+                self.tagged += u64::from(sample.frame.is_some());
+                self.heard_anew |= self.sampled.insert(sample.node);
+            }
             Item::Node(node) => {
                 self.names.insert(node.node, node.name.clone());
             }

@@ -3,11 +3,13 @@
 use std::path::Path;
 
 use shisei_core::Lang;
+use shisei_hub::Session;
 use shisei_twin::lab::{Lab, Movement, Outage, Settings};
 
 use super::devices::calibration_for_node;
 use crate::args_live::{Lab as LabArgs, MovementName, Simulate, Simulated};
 use crate::fail::{Failure, Outcome, say};
+use crate::output::{Kind, Writer, head};
 
 /// How long a file of bytes is unless asked for otherwise, s.
 const FILE_S: f64 = 60.0;
@@ -47,12 +49,14 @@ fn settings(args: &LabArgs, lang: Lang) -> Outcome<Settings> {
     for text in &args.outage {
         let parts = numbers(text).unwrap_or_default();
         let &[node, from_s, to_s] = parts.as_slice() else { return Err(wrong("--outage")) };
+        check(node < args.nodes as f64 && from_s <= to_s, "--outage")?;
         outages.push(Outage { node: node as usize, from_s, to_s });
     }
     let mut reboots = Vec::new();
     for text in &args.reboot {
         let parts = numbers(text).unwrap_or_default();
         let &[node, at_s] = parts.as_slice() else { return Err(wrong("--reboot")) };
+        check(node < args.nodes as f64, "--reboot")?;
         reboots.push((node as usize, at_s));
     }
     let mut calibrations = Vec::new();
@@ -82,6 +86,14 @@ fn settings(args: &LabArgs, lang: Lang) -> Outcome<Settings> {
 }
 
 fn to_file(path: &Path, settings: Settings, duration_s: f64, lang: Lang) -> Outcome<()> {
+    let shown = path.display();
+    if path.is_file() && !is_receivers(&head(path)) {
+        return Err(Failure::input(say(
+            lang,
+            format!("{shown} exists and is no file of a receiver's bytes; name another file with -o"),
+            format!("{shown} は既に存在し、レシーバのバイト列ではありません。-o で別名にしてください"),
+        )));
+    }
     let mut lab = Lab::new(settings);
     let (mut bytes, mut time_s) = (Vec::new(), 0.0);
     while time_s < duration_s {
@@ -89,15 +101,18 @@ fn to_file(path: &Path, settings: Settings, duration_s: f64, lang: Lang) -> Outc
         lab.run_to(time_s);
         lab.serial(&mut bytes);
     }
-    std::fs::write(path, &bytes).map_err(|error| {
-        Failure::input(say(
-            lang,
-            format!("{} could not be written ({error})", path.display()),
-            format!("{} に書き込めませんでした ({error})", path.display()),
-        ))
-    })?;
-    eprintln!("→ {}", path.display());
+    // what may not be overwritten has been refused above
+    let writer = Writer::new(true, lang, []);
+    writer.write(path, Kind::Table, |out| out.write_all(&bytes))?;
+    eprintln!("→ {shown}");
     Ok(())
+}
+
+/// A file's beginning is what a receiver sends.
+fn is_receivers(head: &[u8]) -> bool {
+    let mut session = Session::default();
+    session.push(head, &mut Vec::new());
+    session.counts().frames > 0
 }
 
 #[cfg(unix)]

@@ -216,6 +216,7 @@ fn what_cannot_be_is_said() {
             "--natnet-multicast",
         ),
         (&["live", "--demo", "--pair", "x"], "--pair"),
+        (&["live", "--demo", "--alignment", "absent.json"], "absent.json: "),
     ] {
         let output = Command::new(env!("CARGO_BIN_EXE_shisei"))
             .args(args)
@@ -226,4 +227,37 @@ fn what_cannot_be_is_said() {
         assert_eq!(output.status.code(), Some(2), "{args:?}: {said}");
         assert!(said.contains(word), "{args:?}: {said}");
     }
+}
+
+/// What was asked for and cannot be done is said where it was asked, in both languages.
+#[test]
+fn a_recording_that_cannot_be_made_and_a_port_that_is_not_there_are_said() {
+    let desk = Desk::new();
+    let listen = ["--listen", "127.0.0.1:0"];
+    let record = ["live", "--demo", "--for", "20", "--record", "no-such-folder/take.mcap"];
+    let ran = desk.run(&[&record[..], &listen].concat());
+    assert_eq!((ran.code, ran.stdout.as_str()), (2, ""), "{}", ran.stderr);
+    assert!(ran.stderr.contains("take.mcap could not be written"), "{}", ran.stderr);
+    let ran = desk.run(&[&record[..], &listen, &["--lang", "ja"]].concat());
+    assert!(ran.code == 2 && ran.stderr.contains("書き込めませんでした"), "{}", ran.stderr);
+
+    std::fs::write(desk.file("other.mcap"), b"no recording").expect("a file");
+    let replay = ["live", "--replay", "other.mcap"];
+    let ran = desk.run(&[&replay[..], &listen].concat());
+    assert!(ran.code == 2 && ran.stderr.contains("other.mcap: there are no bytes"), "{}", ran.stderr);
+    let ran = desk.run(&[&replay[..], &listen, &["--lang", "ja"]].concat());
+    assert!(ran.code == 2 && ran.stderr.contains("先頭が破損"), "{}", ran.stderr);
+
+    for (from, out) in [("127.0.0.1:1520", "127.0.0.1:1520:1521"), ("127.0.0.1", "127.0.0.1")] {
+        let ran =
+            desk.run(&[&["live", "--natnet", from, "--natnet-out", out, "--for", "1"][..], &listen].concat());
+        assert!(ran.code == 2 && ran.stderr.contains("gives out itself"), "{}", ran.stderr);
+    }
+
+    let serial = ["live", "--serial", "no-such-port", "--for", "1"];
+    let ran = desk.run(&[&serial[..], &listen].concat());
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert_eq!(ran.stderr.matches("no-such-port: ").count(), 1, "{}", ran.stderr);
+    let ran = desk.run(&[&serial[..], &listen, &["--lang", "ja"]].concat());
+    assert!(ran.stderr.contains("no-such-port：") && ran.stderr.contains("待ちます"), "{}", ran.stderr);
 }

@@ -6,6 +6,7 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+use shisei_hub::Item;
 
 use crate::run::Desk;
 
@@ -79,6 +80,13 @@ fn nodes_are_listed_and_named() {
     let named = desk.run(&["devices", &lab.port, "--rename", "0=left", "--identify", "all"]);
     assert_eq!(named.code, 0, "{}", named.stderr);
     assert!(named.stdout.contains("left") && named.stdout.contains("node 1"), "{}", named.stdout);
+    // the shortest recording has the names, too
+    let ran = desk.run(&["record", &lab.port, "-o", "short.mcap", "--for", "2"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let (mut session, mut items) = (shisei_hub::Session::default(), Vec::new());
+    session.push(&raw(&desk.file("short.mcap")), &mut items);
+    let named = |item: &Item| matches!(item, Item::Node(node) if node.name == "left");
+    assert!(items.iter().any(named), "no name in the recording");
     let wrong = desk.run(&["devices", &lab.port, "--identify", "5"]);
     assert_eq!(wrong.code, 1, "{}", wrong.stderr);
     let wrong = desk.run(&["devices", &lab.port, "--configure", "0=best,4,2000,8"]);
@@ -96,6 +104,17 @@ fn a_file_of_bytes_is_recorded_like_a_port() {
     assert!(ran.stderr.contains("サンプル"), "{}", ran.stderr);
     assert_eq!(raw(&desk.file("take.mcap")), std::fs::read(desk.file("bytes.bin")).expect("the bytes"));
     assert_eq!(desk.run(&["simulate", "lab", "--nodes", "7", "-o", "x"]).code, 2);
+    // its own earlier file is written anew, another is not
+    assert_eq!(desk.run(&["simulate", "lab", "-o", "bytes.bin", "--for", "1"]).code, 0);
+    std::fs::write(desk.file("thesis.txt"), "years of work").expect("written");
+    let ran = desk.run(&["simulate", "lab", "-o", "thesis.txt", "--for", "1"]);
+    assert!(ran.code == 2 && ran.stderr.contains("thesis.txt exists"), "{}", ran.stderr);
+    assert_eq!(std::fs::read(desk.file("thesis.txt")).expect("there"), b"years of work");
+    // two nodes, so there is no third to be restarted or taken out of reach
+    for wrong in [["--reboot", "2:3"], ["--outage", "2:1:3"], ["--outage", "1:3:1"]] {
+        let ran = desk.run(&[&["simulate", "lab", "-o", "x"][..], &wrong].concat());
+        assert!(ran.code == 2 && ran.stderr.contains(wrong[0]), "{wrong:?}: {}", ran.stderr);
+    }
 }
 
 /// From a recording of poses to a node that corrects its own readings.

@@ -17,6 +17,10 @@ pub const NODES_MAX: usize = 6;
 const HELLO_US: u64 = 1_000_000;
 /// Time from one word on the nodes to the next, in hellos.
 const NODES_EVERY: u32 = 10;
+/// What there is to be told of the nodes: two parts a place.
+const PARTS: usize = 2 * NODES_MAX;
+/// Room for the longest of these parts, bytes; less than a packet of four samples takes, so that those do not take it all.
+const ROOM_TO_TELL: usize = 128;
 /// So long without a pulse, and they have stopped, µs.
 const PULSES_STOPPED_US: u64 = 1_000_000;
 /// A seventh node is told no oftener than this, µs.
@@ -54,6 +58,10 @@ pub struct Receiver<const OUT: usize> {
     pulses_stopped: bool,
     next_hello_us: u64,
     hellos: u32,
+    /// Hello is to be said.
+    hello_due: bool,
+    /// The next part of what there is to be told of the nodes, two a place: the node, and what it keeps.
+    next_part: usize,
     full_told_us: Option<u64>,
 }
 
@@ -72,6 +80,8 @@ impl<const OUT: usize> Receiver<OUT> {
             pulses_stopped: false,
             next_hello_us: now_us,
             hellos: 0,
+            hello_due: false,
+            next_part: PARTS,
             full_told_us: None,
         };
         receiver.event(now_us, EventCode::Started, NO_NODE, u32::from(boot));
@@ -94,11 +104,30 @@ impl<const OUT: usize> Receiver<OUT> {
         }
         if now_us >= self.next_hello_us {
             self.next_hello_us = now_us + HELLO_US;
-            self.hello(now_us);
+            self.hello_due = true;
             if self.hellos.is_multiple_of(NODES_EVERY) {
-                self.tell_nodes();
+                self.next_part = 0;
             }
             self.hellos = self.hellos.wrapping_add(1);
+        }
+        self.tell_what_is_due(now_us);
+    }
+
+    /// Hello and nodes wait until there is room: a PC that opens the port asks while the outbox is still full of what
+    /// came before.
+    fn tell_what_is_due(&mut self, now_us: u64) {
+        while self.outbox.room() >= ROOM_TO_TELL && (self.hello_due || self.next_part < PARTS) {
+            if core::mem::take(&mut self.hello_due) {
+                self.hello(now_us);
+                continue;
+            }
+            let (place, kept) = (self.next_part / 2, !self.next_part.is_multiple_of(2));
+            self.next_part += 1;
+            if kept {
+                self.tell_kept(place);
+            } else {
+                self.tell_node(place);
+            }
         }
     }
 
@@ -111,12 +140,6 @@ impl<const OUT: usize> Receiver<OUT> {
             time_us: now_us,
             dropped: self.outbox.dropped(),
         }));
-    }
-
-    fn tell_nodes(&mut self) {
-        for place in 0..NODES_MAX {
-            self.tell_node(place);
-        }
     }
 
     fn tell_node(&mut self, place: usize) {
@@ -132,6 +155,10 @@ impl<const OUT: usize> Receiver<OUT> {
             firmware: slot.firmware,
             name: slot.name(),
         }));
+    }
+
+    fn tell_kept(&mut self, place: usize) {
+        let Some(slot) = self.slots.get(place).filter(|slot| slot.address.is_some()) else { return };
         let kept = message::NodeCalibration { node: place as u8, calibration: slot.calibration };
         self.outbox.push(&Message::Calibration(kept));
     }
@@ -198,6 +225,7 @@ impl<const OUT: usize> Receiver<OUT> {
         slot.set_status(status);
         self.event(now_us, EventCode::Connected, place as u8, 0);
         self.tell_node(place);
+        self.tell_kept(place);
     }
 
     /// A node's state was read anew.
@@ -274,8 +302,8 @@ impl<const OUT: usize> Receiver<OUT> {
                 None
             }
             Some(Asked::Hello) => {
-                self.hello(now_us);
-                self.tell_nodes();
+                (self.hello_due, self.next_part) = (true, 0);
+                self.tell_what_is_due(now_us);
                 None
             }
             Some(Asked::Node(command)) => {
@@ -294,6 +322,11 @@ impl<const OUT: usize> Receiver<OUT> {
                 None
             }
         }
+    }
+
+    /// A command did not find its way to a node, or the node refused it; `kind` is that of [`Command`].
+    pub fn not_carried_out(&mut self, node: u8, kind: u8, now_us: u64) {
+        self.event(now_us, EventCode::BadCommand, node, u32::from(kind));
     }
 
     /// Addresses of connected nodes by place, for boards that scan.

@@ -52,6 +52,11 @@ impl<const N: usize> Outbox<N> {
         count
     }
 
+    /// Room for more, bytes.
+    pub fn room(&self) -> usize {
+        N - self.length
+    }
+
     /// Bytes that wait.
     pub fn len(&self) -> usize {
         self.length

@@ -8,6 +8,7 @@ use shisei_core::fuse::Source;
 use super::hub::Hub;
 use super::input::{Arrival, Kind};
 use super::merge::Seen;
+use super::note::{Level, Note};
 use super::optics::{self, BodyKey, OpticalFrame};
 use super::recorder::Record;
 use super::scene::{Key, Shown};
@@ -50,12 +51,16 @@ impl Hub {
         }
         if let Some(last) = self.optical.number {
             let back = last - frame.number;
+            // the same once more, by another way or from a camera system that stands still
+            if back == 0 {
+                return;
+            }
             if back > RESTART_FRAMES || (back < 0 && frame.exposure_s < self.optical.exposure_s) {
-                self.note(
-                    "warning",
+                self.note(Note::new(
+                    Level::Warning,
                     "the cameras' count began anew",
                     "カメラのフレーム番号が最初に戻りました",
-                );
+                ));
                 self.optical.past.clear();
                 (0..self.ports.len()).for_each(|port| self.uncouple(port));
                 self.optical.number = None;
@@ -103,7 +108,7 @@ impl Hub {
         let time_s = coupling
             .map_or(frame.exposure_s, |coupling| coupling.frame_time_s(frame.number, frame.exposure_s));
         let optics = self.settings.optics;
-        let object = self.scene.object(Key::Body(key), &default_name(key));
+        let Some(object) = self.scene.object(Key::Body(key), &default_name(key)) else { return };
         if let Some(pose) = pose {
             let shown = Shown {
                 pose,

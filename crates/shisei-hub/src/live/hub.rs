@@ -4,24 +4,22 @@
 //! to `cameras`, wishes to `command`. `pairing` brings sensors and bodies together, `showing` tells clients.
 
 use std::collections::BTreeMap;
-use std::io;
 use std::sync::Arc;
-use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-use serde_json::json;
 use shisei_core::Vec3;
 use shisei_wire::message::Command;
 
 use super::board::Board;
-use super::input::{Arrival, Kind, Outbox, State, ToHub, What, unix_ns};
+use super::input::{Arrival, Kind, Outbox, State, ToHub, What};
 use super::learn::{Learner, OpticalPast};
 use super::meter::{Latency, Rate};
 use super::mounting::Mounting;
 use super::naming::Naming;
 use super::node::Node;
+use super::note::{Level, Note, Notes};
 use super::output::Output;
-use super::recorder::{Record, Recorder};
+use super::recorder::{Ending, Recorder};
 use super::scene::Scene;
 use super::settings::Settings;
 use crate::natnet;
@@ -46,6 +44,15 @@ pub(super) struct InputState {
     pub outbox: Option<Outbox>,
 }
 
+impl InputState {
+    /// Has the receiver at a port tell nodes' names and calibrations now, not within ten seconds.
+    pub fn ask(&self, port: &Arc<str>) {
+        if let (Some(outbox), Some(bytes)) = (&self.outbox, command_bytes(Command::Ask)) {
+            outbox.push(port, bytes);
+        }
+    }
+}
+
 /// One port of one input.
 #[derive(Debug)]
 pub(super) struct Port {
@@ -56,6 +63,10 @@ pub(super) struct Port {
     /// The server's newest words about itself and what it streams: a recording begins with them.
     pub words: [Option<Vec<u8>>; 2],
     pub from_gate: Option<bool>,
+    /// When it first brought something.
+    pub since: Instant,
+    /// That nothing of it can be read has been told.
+    pub unreadable: bool,
 }
 
 /// What the cameras say.
@@ -83,7 +94,10 @@ pub struct Hub {
     pub(super) outputs: Vec<Box<dyn Output>>,
     pub(super) recorder: Option<Recorder>,
     /// Recordings that are being written to their end.
-    pub(super) ending: Vec<(String, JoinHandle<io::Result<()>>)>,
+    pub(super) ending: Vec<Ending>,
+    /// Files that were not recorded to their end.
+    pub(super) unrecorded: Vec<String>,
+    pub(super) notes: Notes,
     pub(super) learner: Learner,
     pub(super) board: Arc<Board>,
     pub(super) aliases: BTreeMap<String, String>,
@@ -117,7 +131,7 @@ impl Hub {
             bad: 0,
             outbox: None,
         });
-        let mut hub = Hub {
+        Hub {
             inputs: inputs.collect(),
             ports: Vec::new(),
             nodes: Vec::new(),
@@ -128,6 +142,8 @@ impl Hub {
             outputs,
             recorder: None,
             ending: Vec::new(),
+            unrecorded: Vec::new(),
+            notes: Notes::default(),
             learner: Learner::default(),
             board,
             aliases: BTreeMap::new(),
@@ -140,11 +156,7 @@ impl Hub {
             fresh: false,
             items: Vec::new(),
             settings,
-        };
-        if hub.settings.record_now {
-            hub.record(true);
         }
-        hub
     }
 
     /// How bodies' sensors sit on them, by the bodies' names.
@@ -199,11 +211,14 @@ impl Hub {
 
     fn arrival(&mut self, arrival: Arrival) {
         let Some(input) = self.inputs.get_mut(arrival.input) else { return };
-        if !matches!(arrival.what, What::State(_) | What::End) && input.state != State::Connected {
+        if !matches!(arrival.what, What::State(_) | What::Note(_) | What::End)
+            && input.state != State::Connected
+        {
             input.state = State::Connected;
         }
         match &arrival.what {
             What::State(state) => self.input_state(arrival.input, *state),
+            What::Note(note) => self.note(note.clone()),
             What::End => self.ended_inputs += 1,
             What::Serial(bytes) => self.serial(&arrival, bytes),
             What::NatNet(packet) => self.natnet(&arrival, packet),
@@ -218,13 +233,17 @@ impl Hub {
         known.state = state;
         let name = known.name.clone();
         match state {
-            State::Lost => self.note(
-                "warning",
-                &format!("{name} is gone; waiting for it"),
-                &format!("{name} との接続が切れました。復帰を待っています"),
-            ),
+            State::Lost => self.note(Note::new(
+                Level::Warning,
+                format!("{name} is gone; waiting for it"),
+                format!("{name} との接続が切れました。復帰を待っています"),
+            )),
             State::Connected => {
-                self.note("info", &format!("{name} is connected"), &format!("{name} に接続しました"));
+                self.note(Note::new(
+                    Level::Info,
+                    format!("{name} is connected"),
+                    format!("{name} に接続しました"),
+                ));
             }
             State::Waiting => {}
         }
@@ -235,10 +254,8 @@ impl Hub {
         let found =
             self.ports.iter().position(|port| port.input == arrival.input && *port.name == *arrival.port);
         if found.is_none() && self.ports.len() < PORTS_MAX {
-            // names and calibrations are told now, not within ten seconds
-            let outbox = self.inputs.get(arrival.input).and_then(|input| input.outbox.as_ref());
-            if let (Some(outbox), Some(bytes)) = (outbox, command_bytes(Command::Ask)) {
-                outbox.push(&arrival.port, bytes);
+            if let Some(input) = self.inputs.get(arrival.input) {
+                input.ask(&arrival.port);
             }
             self.ports.push(Port {
                 input: arrival.input,
@@ -247,19 +264,11 @@ impl Hub {
                 stream: natnet::Stream::default(),
                 words: [None, None],
                 from_gate: None,
+                since: arrival.at,
+                unreadable: false,
             });
             return Some(self.ports.len() - 1);
         }
         found
-    }
-
-    /// Tells clients something.
-    pub(super) fn note(&mut self, level: &str, en: &str, ja: &str) {
-        let note = json!({"type": "note", "level": level, "en": en, "ja": ja}).to_string();
-        // without clients nobody hears it
-        let _ = self.board.notes.send(Arc::from(note));
-        if let Some(recorder) = &self.recorder {
-            recorder.give(Record::Note(en.to_owned(), unix_ns()));
-        }
     }
 }

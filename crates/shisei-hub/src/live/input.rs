@@ -3,8 +3,10 @@
 use std::collections::VecDeque;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::SyncSender;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use std::time::{Instant, SystemTime, UNIX_EPOCH};
+
+use super::note::Note;
 
 /// What kind of input.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +75,8 @@ pub enum What {
     NatNet(Vec<u8>),
     /// How the input is.
     State(State),
+    /// Something to be told.
+    Note(Note),
     /// The input has ended: a recording is over.
     End,
 }
@@ -158,6 +162,11 @@ impl Line {
         self.give_recorded(port, what, unix_ns())
     }
 
+    /// Has something told.
+    pub fn note(&self, port: &Arc<str>, note: Note) {
+        self.give(port, What::Note(note));
+    }
+
     /// Gives what came at a time, ns since 1970.
     pub fn give_recorded(&self, port: &Arc<str>, what: What, unix_ns: u64) -> bool {
         let arrival =
@@ -166,7 +175,17 @@ impl Line {
     }
 }
 
-/// Now, ns since 1970.
+/// Now, ns since 1970: the time of day when this was asked first, and what has passed since, so that setting the
+/// system's clock neither tears nor folds a recording. Time in which the computer sleeps does not count.
 pub fn unix_ns() -> u64 {
-    SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos() as u64)
+    static FIRST: OnceLock<(Instant, u64)> = OnceLock::new();
+    let (then, then_ns) = FIRST.get_or_init(|| {
+        let since = SystemTime::now().duration_since(UNIX_EPOCH);
+        (Instant::now(), since.map_or(0, |since| whole_ns(since.as_nanos())))
+    });
+    then_ns.saturating_add(whole_ns(then.elapsed().as_nanos()))
+}
+
+fn whole_ns(nanos: u128) -> u64 {
+    u64::try_from(nanos).unwrap_or(u64::MAX)
 }

@@ -4,7 +4,10 @@
 //! after each sample, so that poses are interpolated and not carried on, and runs in a thread of its own: what is
 //! shown live does not wait for it. What comes out depends on what was sent, not on when it arrived.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{Receiver, Sender, channel};
 use std::thread::JoinHandle;
 use std::time::Instant;
@@ -15,6 +18,7 @@ use shisei_core::fuse::delayed::{Delayed, DelayedSettings};
 use shisei_core::fuse::{FusedFrame, Source};
 use shisei_core::{Quaternion, Result, vector};
 
+use super::backlog::Backlog;
 use super::merge::{Merger, Taken};
 use super::recorder::Record;
 use super::scene::Shown;
@@ -27,6 +31,8 @@ const NEIGHBOUR_STEPS: f64 = 1.5;
 const SURE_STEPS: f64 = 2.0;
 /// Frames that are remembered at most, while no samples come.
 const FRAMES_MAX: usize = 4096;
+/// Lots of frames and samples that wait for the thread at most: many seconds of twenty nodes.
+const WAITING_MAX: usize = 100_000;
 
 /// One sensor on its body, late.
 #[derive(Debug)]
@@ -153,27 +159,42 @@ enum Work {
 #[derive(Debug)]
 pub struct Smoothing {
     work: Option<Sender<Work>>,
+    /// Lots that wait.
+    waiting: Arc<AtomicUsize>,
+    /// Nodes that the thread could not keep up with.
+    given_up: RefCell<BTreeSet<usize>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Smoothing {
     /// What comes out goes to `records`.
-    pub fn start(records: Sender<Record>) -> Self {
+    pub fn start(records: Backlog) -> Self {
         let (work, asked) = channel();
-        let thread = std::thread::spawn(move || smooth(&asked, &records));
-        Smoothing { work: Some(work), thread: Some(thread) }
+        let waiting = Arc::new(AtomicUsize::new(0));
+        let left = Arc::clone(&waiting);
+        let thread = std::thread::spawn(move || smooth(&asked, &left, &records));
+        Smoothing { work: Some(work), waiting, given_up: RefCell::default(), thread: Some(thread) }
     }
 
     /// A node's body, from now on.
     pub fn begin(&self, node: usize, path: String, lagged: Lagged) {
+        self.given_up.borrow_mut().remove(&node);
         self.send(Work::Begin(node, path, Box::new(lagged)));
     }
 
-    /// What a node's merger took at a time, ns since 1970.
-    pub fn taken(&self, node: usize, taken: Vec<Taken>, unix_ns: u64) {
-        if !taken.is_empty() {
-            self.send(Work::Taken(node, taken, unix_ns));
+    /// What a node's merger took at a time, ns since 1970. False where so much waits that this node is given up.
+    pub fn taken(&self, node: usize, taken: Vec<Taken>, unix_ns: u64) -> bool {
+        if taken.is_empty() || self.given_up.borrow().contains(&node) {
+            return true;
         }
+        if self.waiting.load(Ordering::Relaxed) >= WAITING_MAX {
+            self.given_up.borrow_mut().insert(node);
+            self.end_of(node);
+            return false;
+        }
+        self.waiting.fetch_add(1, Ordering::Relaxed);
+        self.send(Work::Taken(node, taken, unix_ns));
+        true
     }
 
     /// A node is no longer on its body: what still waits comes out.
@@ -198,14 +219,13 @@ impl Smoothing {
     }
 }
 
-fn smooth(asked: &Receiver<Work>, records: &Sender<Record>) {
+fn smooth(asked: &Receiver<Work>, waiting: &AtomicUsize, records: &Backlog) {
     let mut nodes: BTreeMap<usize, (String, Box<Lagged>)> = BTreeMap::new();
     let mut out = Vec::new();
     let give = |path: &str, out: &mut Vec<Late>| {
         for late in out.drain(..) {
             if let Some(shown) = shown(&late) {
-                // the recording has told why it ended
-                let _ = records.send(Record::Smoothed(path.to_owned(), shown, late.unix_ns));
+                records.give(Record::Smoothed(path.to_owned(), shown, late.unix_ns));
             }
         }
     };
@@ -215,6 +235,7 @@ fn smooth(asked: &Receiver<Work>, records: &Sender<Record>) {
                 nodes.insert(node, (path, lagged));
             }
             Work::Taken(node, taken, unix_ns) => {
+                waiting.fetch_sub(1, Ordering::Relaxed);
                 let Some((path, lagged)) = nodes.get_mut(&node) else { continue };
                 for one in &taken {
                     lagged.push(one, unix_ns, &mut out);
@@ -246,4 +267,36 @@ fn shown(late: &Late) -> Option<Shown> {
         time_s: late.time_s,
         at: Instant::now(),
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::backlog::backlog;
+    use super::*;
+
+    /// A thread that never comes to its work.
+    #[test]
+    fn what_cannot_be_kept_up_with_is_given_up_once() {
+        let (work, asked) = channel();
+        let waiting = Arc::new(AtomicUsize::new(0));
+        let smoothing = Smoothing {
+            work: Some(work),
+            waiting: Arc::clone(&waiting),
+            given_up: RefCell::default(),
+            thread: None,
+        };
+        let lot = || vec![Taken::Frame(0.0, None)];
+        let refused = (0..WAITING_MAX + 1000).filter(|_| !smoothing.taken(2, lot(), 0)).count();
+        assert_eq!((refused, waiting.load(Ordering::Relaxed)), (1, WAITING_MAX));
+        // when the thread comes to it after all, another node finds room
+        let (records, _) = backlog();
+        smoothing.end_of(2);
+        let thread = std::thread::spawn(move || smooth(&asked, &waiting, &records));
+        while smoothing.waiting.load(Ordering::Relaxed) > 0 {
+            std::thread::yield_now();
+        }
+        assert!(smoothing.taken(1, lot(), 0));
+        smoothing.end();
+        thread.join().expect("the thread");
+    }
 }

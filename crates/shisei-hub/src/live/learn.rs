@@ -104,6 +104,11 @@ impl OpticalPast {
         }
     }
 
+    /// There are frames enough to tell how far apart they are.
+    pub fn has_steps(&self) -> bool {
+        self.rows.len() > 1
+    }
+
     /// From one frame to the next, s: the middle of what was seen.
     pub fn step_s(&self) -> Option<f64> {
         let mut steps: Vec<f64> = self

@@ -4,6 +4,7 @@
 //! with its body ([`merge`]), finds out which belong together ([`learn`]), and puts the newest of everything on a
 //! [`Board`], from where clients take it.
 
+pub mod backlog;
 pub mod board;
 mod cameras;
 pub mod command;
@@ -16,6 +17,7 @@ pub mod meter;
 pub mod mounting;
 mod naming;
 mod node;
+pub mod note;
 pub mod optics;
 pub mod output;
 mod pairing;
@@ -33,7 +35,8 @@ pub use command::Command;
 pub use hub::Hub;
 pub use input::{Input, Kind, Line, State, What};
 pub use mounting::Mounting;
+pub use note::{Level, Note};
 pub use output::Output;
 pub use replay::Replay;
-pub use run::{Parts, run};
+pub use run::{Door, Parts, Refused, run};
 pub use settings::{Settings, hello};

@@ -6,6 +6,7 @@ use shisei_wire::gatt::NAME_MAX;
 use shisei_wire::message::{Command, Event, EventCode, NO_NODE};
 
 use super::hub::{Hub, NODES_MAX};
+use super::note::{Level, Note};
 use super::scene::Key;
 use crate::session::command_bytes;
 
@@ -39,13 +40,13 @@ impl Hub {
             return;
         };
         if name.len() > NAME_MAX {
-            self.note(
-                "warning",
-                &format!("{name} is called so here only: a node keeps {NAME_MAX} bytes"),
-                &format!(
+            self.note(Note::new(
+                Level::Warning,
+                format!("{name} is called so here only: a node keeps {NAME_MAX} bytes"),
+                format!(
                     "「{name}」はこの画面だけの名前です。ノードに保存できるのは {NAME_MAX} バイトまでです"
                 ),
-            );
+            ));
             return;
         }
         // it is told by asking for all nodes
@@ -74,11 +75,11 @@ impl Hub {
             self.renamed(place, &name);
         }
         if taken.is_some() {
-            self.note(
-                "info",
-                &format!("{own}: the node keeps this name"),
-                &format!("ノードに名前「{own}」を保存しました"),
-            );
+            self.note(Note::new(
+                Level::Info,
+                format!("{own}: the node keeps this name"),
+                format!("ノードに名前「{own}」を保存しました"),
+            ));
         }
     }
 
@@ -104,11 +105,11 @@ impl Hub {
         let (failed, waiting) = all.into_iter().partition::<Vec<_>, _>(which);
         self.namings = waiting;
         for Naming { name, .. } in failed {
-            self.note(
-                "warning",
-                &format!("{name}: the node did not take the name; it is called so here only"),
-                &format!("ノードに名前「{name}」を保存できませんでした。この画面だけの名前になります"),
-            );
+            self.note(Note::new(
+                Level::Warning,
+                format!("{name}: the node did not take the name; it is called so here only"),
+                format!("ノードに名前「{name}」を保存できませんでした。この画面だけの名前になります"),
+            ));
         }
     }
 

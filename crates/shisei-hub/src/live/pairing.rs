@@ -5,6 +5,7 @@ use std::time::{Duration, Instant};
 use super::hub::Hub;
 use super::learn::Question;
 use super::merge::{Clocking, Coupling, Merger};
+use super::note::{Level, Note};
 use super::optics::BodyKey;
 use super::recorder::Recorder;
 use super::scene::Key;
@@ -38,7 +39,7 @@ impl Hub {
         if let Some(answer) = self.learner.answer() {
             self.learnt(answer.node, answer.found.as_ref());
         }
-        if !self.learner.free() || self.optical.past.step_s().is_none() {
+        if !self.learner.free() || !self.optical.past.has_steps() {
             return;
         }
         self.pair_by_name();
@@ -144,11 +145,11 @@ impl Hub {
                 // times of another clock are not compared with the new one's
                 shown.time_s = f64::NEG_INFINITY;
             }
-            self.note(
-                "info",
-                &format!("{name} is on {body_name} (clocks to {:.1} ms)", sigma_s * 1e3),
-                &format!("{name} を {body_name} に対応付けました (時刻の誤差 {:.1} ms)", sigma_s * 1e3),
-            );
+            self.note(Note::new(
+                Level::Info,
+                format!("{name} is on {body_name} (clocks to {:.1} ms)", sigma_s * 1e3),
+                format!("{name} を {body_name} に対応付けました (時刻の誤差 {:.1} ms)", sigma_s * 1e3),
+            ));
         }
         self.scene.changed = true;
         self.smooth(index);

@@ -1,14 +1,19 @@
 //! What receivers say: samples, nodes, losses.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use super::hub::{Hub, NODES_MAX};
 use super::input::Arrival;
 use super::node::Node;
+use super::note::{Level, Note};
 use super::recorder::Record;
 use super::scene::Key;
 use crate::kept;
 use crate::session::{Item, Sample};
+
+/// Bytes without anything readable among them for so long are not a receiver's.
+const UNREADABLE: Duration = Duration::from_secs(3);
 
 impl Hub {
     pub(super) fn serial(&mut self, arrival: &Arrival, bytes: &[u8]) {
@@ -33,12 +38,24 @@ impl Hub {
             node.taken = quality.samples;
             node.clock_s = quality.clock_residual_s;
         }
-        self.ports[index].session = Some(session);
+        let port = &mut self.ports[index];
+        port.session = Some(session);
+        let waited = arrival.at.saturating_duration_since(port.since);
+        let unreadable = after.frames == 0 && waited > UNREADABLE && !port.unreadable;
+        port.unreadable |= unreadable;
         self.pulses.add(arrival.at, (after.pulses - before.pulses) as u32);
         if let Some(input) = self.inputs.get_mut(arrival.input) {
             input.rate.add(arrival.at, (after.samples - before.samples) as u32);
             input.lost += after.lost - before.lost;
             input.bad += after.garbage - before.garbage;
+        }
+        if unreadable {
+            let name = self.inputs.get(arrival.input).map_or("", |input| input.name.as_str());
+            self.note(Note::new(
+                Level::Warning,
+                format!("{name}: nothing readable comes from the port; is it a receiver's?"),
+                format!("{name}：読めるデータが届いていません。レシーバのポートか確認してください"),
+            ));
         }
         for item in items.drain(..) {
             if let Some(recorder) = &self.recorder
@@ -84,15 +101,15 @@ impl Hub {
                 if let Some(node) = self.node(port, place) {
                     node.past.clear();
                     let name = node.name.clone();
-                    self.note(
-                        "warning",
-                        &format!("{name} started anew"),
-                        &format!("{name} が再起動しました"),
-                    );
+                    self.note(Note::new(
+                        Level::Warning,
+                        format!("{name} started anew"),
+                        format!("{name} が再起動しました"),
+                    ));
                 }
             }
             Item::ReceiverRebooted(_) => {
-                self.note("warning", "the receiver started anew", "レシーバが再起動しました");
+                self.note(Note::new(Level::Warning, "the receiver started anew", "レシーバが再起動しました"));
                 self.uncouple(port);
             }
             Item::Event(event) => self.refused(port, &event),
@@ -136,7 +153,9 @@ impl Hub {
         } else {
             let shown = node.alone(sample, arrival.at);
             let name = node.name.clone();
-            self.scene.object(Key::Node(index), &name).shown = Some(shown);
+            if let Some(object) = self.scene.object(Key::Node(index), &name) {
+                object.shown = Some(shown);
+            }
             if let Some(came) = came {
                 self.latency.add(came.elapsed());
             }

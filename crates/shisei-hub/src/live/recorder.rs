@@ -5,16 +5,18 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::mpsc::RecvTimeoutError;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 use shisei_core::fuse::delayed::DelayedSettings;
 
+use super::backlog::{Backlog, Waiting, backlog};
 use super::hub::Hub;
 use super::input::unix_ns;
 use super::lagged::{Lagged, Smoothing};
 use super::node::Node;
+use super::note::{Level, Note};
 use super::scene::{Key, Shown};
 use crate::session::Item;
 use crate::take::Take;
@@ -44,7 +46,7 @@ pub enum Record {
 /// A recording under way. Ends when it is dropped.
 #[derive(Debug)]
 pub struct Recorder {
-    records: Option<Sender<Record>>,
+    records: Option<Backlog>,
     smoothing: Option<Smoothing>,
     thread: Option<JoinHandle<io::Result<()>>>,
     path: PathBuf,
@@ -57,7 +59,7 @@ impl Recorder {
     /// Begins one in a new file: this name, or where it is taken the name with a number.
     pub fn start(wanted: &Path) -> io::Result<Self> {
         let (path, file) = create(wanted)?;
-        let (records, taken) = channel();
+        let (records, taken) = backlog();
         let (bytes, failed) = (Arc::new(AtomicU64::new(0)), Arc::new(AtomicBool::new(false)));
         let (counter, broken) = (Arc::clone(&bytes), Arc::clone(&failed));
         let thread = std::thread::spawn(move || {
@@ -79,8 +81,7 @@ impl Recorder {
     /// Takes something to be recorded.
     pub fn give(&self, record: Record) {
         if let Some(records) = &self.records {
-            // a thread that has ended has told why: the hub asks `failed`
-            let _ = records.send(record);
+            records.give(record);
         }
     }
 
@@ -92,6 +93,11 @@ impl Recorder {
     /// Writing has failed.
     pub fn failed(&self) -> bool {
         self.failed.load(Ordering::Relaxed)
+    }
+
+    /// Records that were left out because the disk is too slow.
+    pub fn left_out(&self) -> u64 {
+        self.records.as_ref().map_or(0, Backlog::left_out)
     }
 
     /// Where it goes.
@@ -122,6 +128,14 @@ impl Recorder {
     }
 }
 
+/// A recording that is being written to its end.
+#[derive(Debug)]
+pub(super) struct Ending {
+    file: String,
+    left_out: u64,
+    thread: JoinHandle<io::Result<()>>,
+}
+
 fn create(wanted: &Path) -> io::Result<(PathBuf, File)> {
     let mut path = wanted.to_owned();
     for number in 2..NAMES_MAX {
@@ -135,7 +149,7 @@ fn create(wanted: &Path) -> io::Result<(PathBuf, File)> {
     Err(io::ErrorKind::AlreadyExists.into())
 }
 
-fn work(file: File, records: &Receiver<Record>, bytes: &AtomicU64) -> io::Result<()> {
+fn work(file: File, records: &Waiting, bytes: &AtomicU64) -> io::Result<()> {
     let handle = file.try_clone()?;
     let mut take = Take::new(file, "live")?;
     let outcome = fill(&mut take, records, bytes);
@@ -148,10 +162,10 @@ fn work(file: File, records: &Receiver<Record>, bytes: &AtomicU64) -> io::Result
     Ok(())
 }
 
-fn fill(take: &mut Take<File>, records: &Receiver<Record>, bytes: &AtomicU64) -> io::Result<()> {
+fn fill(take: &mut Take<File>, records: &Waiting, bytes: &AtomicU64) -> io::Result<()> {
     let mut flushed = Instant::now();
     loop {
-        match records.recv_timeout(FLUSH) {
+        match records.take(FLUSH) {
             Ok(record) => write(take, record)?,
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => return Ok(()),
@@ -182,52 +196,83 @@ impl Hub {
             return;
         }
         if on {
-            match Recorder::start(&self.settings.record) {
-                Ok(recorder) => {
-                    let now_ns = unix_ns();
-                    for port in &self.ports {
-                        for words in port.words.iter().flatten() {
-                            recorder.give(Record::Raw(Arc::clone(&port.name), words.clone(), now_ns));
-                        }
-                    }
-                    let file = recorder.file();
-                    self.recorder = Some(recorder);
-                    (0..self.nodes.len()).for_each(|node| self.smooth(node));
-                    self.note("info", &format!("recording to {file}"), &format!("{file} に記録しています"));
-                }
-                Err(error) => {
-                    let file = self.settings.record.display().to_string();
-                    self.note(
-                        "error",
-                        &format!("{file} could not be written ({error})"),
-                        &format!("{file} に書き込めませんでした ({error})"),
-                    );
-                }
+            if let Err(error) = self.begin_recording() {
+                let file = self.settings.record.display().to_string();
+                self.note(Note::new(
+                    Level::Error,
+                    format!("{file} could not be written ({error})"),
+                    format!("{file} に書き込めませんでした ({error})"),
+                ));
             }
         } else if let Some(recorder) = self.recorder.take() {
             let mergers = self.nodes.iter_mut().filter_map(|node| node.merger.as_mut());
             mergers.for_each(|merger| merger.keep_taken(false));
+            let (file, left_out) = (recorder.file(), recorder.left_out());
             // what still waits is written while the stream goes on
-            self.ending.push((recorder.file(), std::thread::spawn(move || recorder.end())));
+            self.ending.push(Ending { file, left_out, thread: std::thread::spawn(move || recorder.end()) });
         }
+    }
+
+    /// Begins a recording. An error is that of its file.
+    pub fn begin_recording(&mut self) -> io::Result<()> {
+        let recorder = Recorder::start(&self.settings.record)?;
+        let now_ns = unix_ns();
+        for port in &self.ports {
+            for words in port.words.iter().flatten() {
+                recorder.give(Record::Raw(Arc::clone(&port.name), words.clone(), now_ns));
+            }
+        }
+        for port in &self.ports {
+            // names and calibrations belong into it
+            if let Some(input) = self.inputs.get(port.input) {
+                input.ask(&port.name);
+            }
+        }
+        let file = recorder.file();
+        self.recorder = Some(recorder);
+        (0..self.nodes.len()).for_each(|node| self.smooth(node));
+        let (en, ja) = (format!("recording to {file}"), format!("{file} に記録しています"));
+        self.note(Note::new(Level::Info, en, ja));
+        Ok(())
     }
 
     /// Tells of recordings that were ended and are written, with `all` of those that are not yet.
     fn told_ended(&mut self, all: bool) {
         let (over, ending) = std::mem::take(&mut self.ending)
             .into_iter()
-            .partition::<Vec<_>, _>(|(_, thread)| all || thread.is_finished());
+            .partition::<Vec<_>, _>(|ending| all || ending.thread.is_finished());
         self.ending = ending;
-        for (file, thread) in over {
+        for Ending { file, left_out, thread } in over {
             match thread.join().unwrap_or_else(|_| Err(io::Error::other("recording"))) {
-                Ok(()) => self.note("info", &format!("recorded: {file}"), &format!("記録しました：{file}")),
-                Err(error) => self.note(
-                    "error",
-                    &format!("{file}: {error}; what was recorded before is kept"),
-                    &format!("{file}：{error}。それまでの記録は残っています"),
-                ),
+                Ok(()) if left_out == 0 => {
+                    let (en, ja) = (format!("recorded: {file}"), format!("記録しました：{file}"));
+                    self.note(Note::new(Level::Info, en, ja));
+                }
+                Ok(()) => {
+                    self.note(Note::new(
+                        Level::Error,
+                        format!("{file}: the disk was too slow, {left_out} records are missing in it"),
+                        format!(
+                            "{file}：ディスクへの書き込みが間に合わず、{left_out} 件のデータが欠落しました"
+                        ),
+                    ));
+                    self.unrecorded.push(file);
+                }
+                Err(error) => {
+                    self.note(Note::new(
+                        Level::Error,
+                        format!("{file}: {error}; what was recorded before is kept"),
+                        format!("{file}：{error}。それまでの記録は残っています"),
+                    ));
+                    self.unrecorded.push(file);
+                }
             }
         }
+    }
+
+    /// Files that were not recorded to their end: their disk was full, or too slow.
+    pub fn unrecorded(&self) -> &[String] {
+        &self.unrecorded
     }
 
     /// The end: recordings are closed.
@@ -257,8 +302,16 @@ impl Hub {
     /// What a node's merger took goes to that estimate as well.
     pub(super) fn smooth_on(&mut self, node: usize, unix_ns: u64) {
         let Some(smoothing) = self.recorder.as_ref().and_then(Recorder::smoothing) else { return };
-        if let Some(merger) = self.nodes.get_mut(node).and_then(|node| node.merger.as_mut()) {
-            smoothing.taken(node, merger.taken(), unix_ns);
+        let Some(place) = self.nodes.get_mut(node) else { return };
+        let Some(merger) = place.merger.as_mut() else { return };
+        if !smoothing.taken(node, merger.taken(), unix_ns) {
+            merger.keep_taken(false);
+            let name = place.name.clone();
+            self.note(Note::new(
+                Level::Warning,
+                format!("{name}: this computer is too slow for the estimate with a delay; in the recording it ends here"),
+                format!("{name}：処理が間に合わないため、遅延を許した推定の記録をここで終えます"),
+            ));
         }
     }
 

@@ -11,6 +11,7 @@ use super::board::Board;
 use super::hub::Hub;
 use super::input::{Input, Line, ToHub};
 use super::mounting::Mounting;
+use super::note::Note;
 use super::output::Output;
 use super::settings::{Settings, hello};
 use crate::server::{self, Access, Serving};
@@ -39,20 +40,44 @@ impl std::fmt::Debug for dyn Input {
     }
 }
 
-/// Runs until `stop` is set or all inputs have ended. `started` hears where the viewer is. An error is the server's
-/// address that could not be had.
+/// Who started it, and hears what happens while it runs.
+pub trait Door {
+    /// The viewer can be looked at.
+    fn serving(&mut self, _: &Serving) {}
+    /// Something happened.
+    fn note(&mut self, _: &Note) {}
+}
+
+/// Nobody.
+impl Door for () {}
+
+/// Why it did not begin.
+#[derive(Debug)]
+pub enum Refused {
+    /// The server's address could not be had.
+    Address(io::Error),
+    /// The recording that was to begin at once could not be made.
+    Recording(io::Error),
+}
+
+/// Runs until `stop` is set or all inputs have ended.
 pub fn run(
     settings: Settings,
     parts: Parts,
     stop: &Arc<AtomicBool>,
-    started: impl FnOnce(&Serving),
-) -> io::Result<Hub> {
+    door: &mut dyn Door,
+) -> Result<Hub, Refused> {
     let board = Arc::new(Board::new(&hello(&settings)));
     let (to_hub, messages) = sync_channel::<ToHub>(WAITING);
-    let serving = server::start(parts.access, Arc::clone(&board), to_hub.clone())?;
-    started(&serving);
+    let serving =
+        server::start(parts.access, Arc::clone(&board), to_hub.clone()).map_err(Refused::Address)?;
     let names = parts.inputs.iter().map(|input| (input.name(), input.kind())).collect();
+    let record_now = settings.record_now;
     let mut hub = Hub::new(settings, names, parts.outputs, board);
+    if record_now {
+        hub.begin_recording().map_err(Refused::Recording)?;
+    }
+    door.serving(&serving);
     hub.know(parts.known);
     for (index, input) in parts.inputs.into_iter().enumerate() {
         let line = Line::new(index, to_hub.clone(), Arc::clone(stop));
@@ -73,11 +98,19 @@ pub fn run(
             Err(RecvTimeoutError::Disconnected) => break,
         }
         hub.tick(Instant::now());
+        tell(&mut hub, door);
     }
     stop.store(true, Ordering::Relaxed);
     // inputs that wait for room see that nobody takes anything any more
     drop(messages);
     hub.finish();
+    tell(&mut hub, door);
     drop(serving);
     Ok(hub)
+}
+
+fn tell(hub: &mut Hub, door: &mut dyn Door) {
+    while let Some(note) = hub.told() {
+        door.note(&note);
+    }
 }

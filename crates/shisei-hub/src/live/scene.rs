@@ -9,6 +9,9 @@ use shisei_core::fuse::Source;
 
 use super::optics::{BodyInfo, BodyKey};
 
+/// Objects at most; as many the viewer takes.
+pub const OBJECTS_MAX: usize = 1000;
+
 /// What an object is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Key {
@@ -80,10 +83,13 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// An object, made where it is new.
-    pub fn object(&mut self, key: Key, name: &str) -> &mut Object {
+    /// An object, made where it is new; none where there are too many.
+    pub fn object(&mut self, key: Key, name: &str) -> Option<&mut Object> {
+        if self.objects.len() >= OBJECTS_MAX && !self.objects.contains_key(&key) {
+            return None;
+        }
         let (next_id, changed) = (&mut self.next_id, &mut self.changed);
-        self.objects.entry(key).or_insert_with(|| {
+        Some(self.objects.entry(key).or_insert_with(|| {
             *next_id += 1;
             *changed = true;
             Object {
@@ -96,7 +102,7 @@ impl Scene {
                 node: None,
                 shown: None,
             }
-        })
+        }))
     }
 
     /// An object that is there.
@@ -128,7 +134,7 @@ impl Scene {
         });
         self.changed |= self.objects.len() != count;
         for info in bodies {
-            let object = self.object(Key::Body(info.key), &info.name);
+            let Some(object) = self.object(Key::Body(info.key), &info.name) else { return };
             let same = object.name == info.name
                 && object.skeleton == info.skeleton
                 && object.parent == info.parent

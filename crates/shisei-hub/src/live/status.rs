@@ -9,7 +9,7 @@ use super::node::round;
 
 impl Hub {
     /// The status message.
-    pub(super) fn status(&mut self, now: Instant) -> Value {
+    pub fn status(&mut self, now: Instant) -> Value {
         let inputs: Vec<Value> = self
             .inputs
             .iter_mut()

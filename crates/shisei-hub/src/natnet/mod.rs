@@ -4,6 +4,7 @@
 //! not relied on. [`read`] decodes, [`mod@write`] encodes, [`Stream`] follows the packets of one server.
 
 pub mod client;
+mod listener;
 pub mod model;
 pub mod read;
 pub mod server;

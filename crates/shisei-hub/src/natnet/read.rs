@@ -286,10 +286,11 @@ impl<'a> Reader<'a> {
         (0..count).map(|_| item(self)).collect()
     }
 
+    /// A string up to its zero byte, without control characters.
     fn text(&mut self) -> Result<String> {
         let end = self.0.iter().position(|byte| *byte == 0).ok_or(Malformed)?;
-        let text = String::from_utf8_lossy(self.take(end)?).into_owned();
+        let text = String::from_utf8_lossy(self.take(end)?);
         self.take(1)?;
-        Ok(text)
+        Ok(text.chars().filter(|c| !c.is_control()).collect())
     }
 }

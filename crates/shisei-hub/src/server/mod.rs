@@ -22,6 +22,7 @@ use tokio::task::AbortHandle;
 
 use crate::live::Board;
 use crate::live::input::ToHub;
+use crate::own_address::to_ask_for;
 
 /// Connections that have not asked for anything yet.
 const WAITING_MAX: usize = 128;
@@ -67,11 +68,12 @@ pub struct Serving {
 }
 
 impl Serving {
-    /// What to open in a browser.
+    /// What to open in a browser, here or on another computer.
     pub fn url(&self) -> String {
+        let address = to_ask_for(self.access.address);
         match &self.access.token {
-            Some(token) => format!("http://{}/?token={token}", self.access.address),
-            None => format!("http://{}/", self.access.address),
+            Some(token) => format!("http://{address}/?token={token}"),
+            None => format!("http://{address}/"),
         }
     }
 }

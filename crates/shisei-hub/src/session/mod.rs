@@ -70,7 +70,7 @@ pub struct NodeInfo {
     pub connected: bool,
     /// Bluetooth address, as it is written.
     pub address: String,
-    /// Its name.
+    /// Its name, without control characters.
     pub name: String,
     /// Voltage of the battery, mV; 0: not known.
     pub battery_mv: u16,
@@ -292,9 +292,30 @@ fn info(node: &Node<'_>) -> NodeInfo {
         node: node.node,
         connected: node.connected,
         address: address.join(":"),
-        name: node.name.to_owned(),
+        // whoever is near can call a node anything
+        name: node.name.chars().filter(|c| !c.is_control()).collect(),
         battery_mv: node.battery_mv,
         temperature_centi_c: node.temperature_centi_c,
         firmware: node.firmware,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_name_cannot_steer_a_terminal() {
+        let node = Node {
+            node: 0,
+            connected: true,
+            address: [0; 6],
+            boot: 0,
+            battery_mv: 0,
+            temperature_centi_c: None,
+            firmware: [0; 3],
+            name: "左\u{1b}[31m\u{9b}手\r\n",
+        };
+        assert_eq!(info(&node).name, "左[31m手");
     }
 }

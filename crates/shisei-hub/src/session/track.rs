@@ -19,6 +19,8 @@ const CLOCK_PATIENCE_US: u64 = 2_000_000;
 const PULSE_PATIENCE_S: f64 = 0.25;
 /// Arrivals over which the rate is counted, µs.
 const RATE_WINDOW_US: u64 = 2_000_000;
+/// And so many at most, when the receiver's clock stands still.
+const ARRIVALS_MAX: usize = 4096;
 /// Nominal samples a second, to tell how often the sequence number has wrapped in an outage.
 const RATE_HZ: f64 = 120.0;
 
@@ -105,7 +107,9 @@ impl Track {
         (self.node_us, self.sequence) = (node_us, sequence);
         self.arrival_us = self.arrival_us.max(data.arrival_us);
         self.arrivals.push_back((self.arrival_us, packet.count()));
-        while self.arrivals.front().is_some_and(|(us, _)| self.arrival_us - us > RATE_WINDOW_US) {
+        while self.arrivals.len() > ARRIVALS_MAX
+            || self.arrivals.front().is_some_and(|(us, _)| self.arrival_us - us > RATE_WINDOW_US)
+        {
             self.arrivals.pop_front();
         }
         for (k, sample) in (0_u16..).zip(packet.samples()) {
@@ -187,5 +191,27 @@ impl Track {
             world_from_body: self.world_from_body,
             silent_s: now_us.saturating_sub(self.arrival_us) as f64 * 1e-6,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use shisei_wire::packet::{self, Header, PACKET_MAX, Sample as Sent};
+
+    use super::*;
+
+    /// A receiver that gives every packet the same time.
+    #[test]
+    fn a_clock_that_stands_still_costs_no_memory() {
+        let mut bytes = [0; PACKET_MAX];
+        let length = packet::encode(&Header::default(), &[Sent::default()], &mut bytes).unwrap();
+        let packet = Packet::decode(&bytes[..length]).unwrap();
+        let data = Data { node: 0, arrival_us: 5, anchor_us: None, pulse: None, packet: &bytes[..length] };
+        let mut track = Track::new(0, &packet, 5);
+        for _ in 0..3 * ARRIVALS_MAX {
+            track.push(&data, &packet);
+            track.release(&PulseTrain::default(), false, 5, false, |_| {});
+        }
+        assert!(track.arrivals.len() <= ARRIVALS_MAX && track.waiting.len() <= WAITING_MAX + 1);
     }
 }
