@@ -14,6 +14,7 @@ use crate::args::Allan;
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::summary;
 
 /// An axis: name, unit of its rate, its analysis.
 struct Channel {
@@ -31,10 +32,8 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.allan.csv")));
     let report = args.report.or(format!("{stem}.allan.html"));
     let writer = Writer::new(args.force, lang, &args.files);
-    writer.check(&output, Kind::Table)?;
-    if let Some(report) = &report {
-        writer.check(report, Kind::Html)?;
-    }
+    let html = report.as_deref().map(|report| (report, Kind::Html));
+    writer.check_all(&[(output.as_path(), Kind::Table)].into_iter().chain(html).collect::<Vec<_>>())?;
     let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     let shown = source.shown();
     let found = &recording.findings;
@@ -76,6 +75,7 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
         println!("{}", document(&channels));
     }
     eprint!("{}", text(&channels, lang));
+    eprint!("{}", summary::of_notes(&recording, lang));
     for path in [Some(&output), report.as_ref()].into_iter().flatten().filter(|p| !is_stdout(p)) {
         eprintln!("→ {}", path.display());
     }

@@ -23,6 +23,7 @@ use crate::calibration;
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::summary;
 
 /// How well a known end is known, m.
 const END_SIGMA_M: f64 = 0.005;
@@ -35,10 +36,9 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.motion.csv")));
     let report = args.report.or(format!("{stem}.motion.html"));
     let writer = Writer::new(args.force, lang, args.files.iter().chain(args.calibration.as_ref()));
-    writer.check(&output, Kind::Motion)?;
-    if let Some(report) = &report {
-        writer.check(report, Kind::Html)?;
-    }
+    let html = report.as_deref().map(|report| (report, Kind::Html));
+    writer.check_all(&[(output.as_path(), Kind::Motion)].into_iter().chain(html).collect::<Vec<_>>())?;
+    refuse_unused(args, lang)?;
     let end = end_point(args, lang)?;
     let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     if let Some(path) = &args.calibration {
@@ -90,6 +90,7 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
             ),
         )
     );
+    eprint!("{}", summary::of_notes(&recording, lang));
     for path in [Some(&output), report.as_ref()].into_iter().flatten().filter(|p| !is_stdout(p)) {
         eprintln!("→ {}", path.display());
     }
@@ -102,6 +103,23 @@ fn mode_name(mode: MotionMode) -> &'static str {
         MotionMode::Foot => "foot",
         MotionMode::Naive => "naive",
     }
+}
+
+/// An option that the mode does not use would be believed to have done something.
+fn refuse_unused(args: &Motion, lang: Lang) -> Outcome<()> {
+    let naive = args.mode == MotionMode::Naive;
+    let unused = [
+        ("--scheme", args.scheme.is_some() && !naive),
+        ("--end", args.end.is_some() && naive),
+        ("--closed", args.closed && naive),
+    ];
+    let Some((name, _)) = unused.into_iter().find(|(_, unused)| *unused) else { return Ok(()) };
+    let mode = mode_name(args.mode);
+    Err(Failure::input(say(
+        lang,
+        format!("{name} has no meaning for --mode {mode}; leave it out or choose another mode"),
+        format!("{name} は --mode {mode} では使えません。外すか、別のモードを選んでください"),
+    )))
 }
 
 fn end_point(args: &Motion, lang: Lang) -> Outcome<Option<(Vec3, f64)>> {
@@ -164,7 +182,7 @@ fn naive(args: &Motion, recording: &Recording, limit_s: f64) -> Result<Track, Er
         pitch_rad: math::atan2(-up[0], math::hypot(up[1], up[2])),
         roll_rad: math::atan2(up[1], up[2]),
     });
-    let scheme = match args.scheme {
+    let scheme = match args.scheme.unwrap_or(SchemeName::SemiImplicit) {
         SchemeName::SemiImplicit => Scheme::SemiImplicit,
         SchemeName::Euler => Scheme::Euler,
         SchemeName::Trapezoid => Scheme::Trapezoid,
