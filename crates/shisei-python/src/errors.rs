@@ -24,7 +24,17 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("ShapeError", py.get_type::<ShapeError>())?;
     module.add("DomainError", py.get_type::<DomainError>())?;
     module.add("ConditionError", py.get_type::<ConditionError>())?;
+    module.add_function(wrap_pyfunction!(language, module)?)?;
     module.add_function(wrap_pyfunction!(set_language, module)?)
+}
+
+/// The language in use: "en" or "ja".
+#[pyfunction]
+fn language() -> &'static str {
+    match last_error::user_lang() {
+        Lang::En => "en",
+        Lang::Ja => "ja",
+    }
 }
 
 /// "en" or "ja".
