@@ -93,7 +93,13 @@ fn impossible(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3]) -> Vec<Note> {
     }
     for (rows, limit, unit) in [(acc_m_s2, LARGEST_M_S2, "m/s²"), (gyro_rad_s, LARGEST_RAD_S, "rad/s")] {
         let large = |v: &Vec3| v.iter().any(|x| x.abs() > limit);
-        let Some(first) = rows.iter().position(large) else { continue };
+        // Whole stretches first: they go at the speed of the memory.
+        let all_small =
+            |part: &[Vec3]| !part.as_flattened().iter().fold(false, |any, x| any | (x.abs() > limit));
+        if rows.chunks(1024).all(all_small) {
+            continue;
+        }
+        let first = rows.iter().position(large).unwrap_or(0);
         let (count, number) = (rows.iter().filter(|v| large(v)).count(), first + 1);
         out.push(Note::new(
             "beyond-any-sensor",
