@@ -3,13 +3,15 @@
 //! said.
 
 use crate::judge::{self, Agreement, Level};
-use crate::recording::{Note, Recording};
+use crate::recording::{Findings, Note, Recording};
 use shisei_core::{STANDARD_GRAVITY_M_S2 as G, Vec3};
 
 /// Largest rate that is believed, rad/s: sensors read up to 4000 deg/s.
 const LARGEST_RAD_S: f64 = 100.0;
 /// Largest acceleration that is believed, m/s²: sensors for impacts read up to 400 g.
 const LARGEST_M_S2: f64 = 5000.0;
+/// No recording lasts longer, s: thirty years.
+const LONGEST_S: f64 = 1e9;
 /// Fewer rows than this may well be alike.
 const FEW_ROWS: usize = 50;
 
@@ -18,6 +20,27 @@ pub(crate) fn look(out: &mut Recording) {
     if !out.counts {
         out.warnings.extend(impossible(&out.acc_m_s2, &out.gyro_rad_s));
     }
+    out.warnings.extend(one_wrong_stamp(&out.findings));
+}
+
+/// A gap that is most of the recording, or a time that no recording lasts: one wrong stamp does that.
+fn one_wrong_stamp(found: &Findings) -> Option<Note> {
+    let longest = found.gaps.iter().max_by(|a, b| a.length_s.total_cmp(&b.length_s))?;
+    let gap = if found.duration_s > LONGEST_S { found.gaps.first()? } else { longest };
+    let (length_s, number) = (gap.length_s, gap.row + 1);
+    (found.duration_s > LONGEST_S || length_s > 0.5 * found.duration_s).then(|| {
+        Note::new(
+            "one-long-gap",
+            format!(
+                "time jumps by {length_s:.3e} s before sample {number}, which leaves the recording mostly empty; if \
+                 that stamp is wrong, remove its row"
+            ),
+            format!(
+                "{number} 番目のサンプルの前で時刻が {length_s:.3e} 秒飛び、記録の大半が空白になっています。その時刻が\
+                 誤っている場合は、行を除いてください"
+            ),
+        )
+    })
 }
 
 /// What to know before trusting readings in memory that are said to be in m/s² and rad/s, a step each: the doubts

@@ -86,6 +86,23 @@ fn values_beyond_any_sensor_are_said() {
 }
 
 #[test]
+fn one_wrong_stamp_is_pointed_at() {
+    for stamp in [700.0, 1e300] {
+        let found = opened(
+            text(300, |k, row| {
+                if k == 200 {
+                    row[0] = stamp;
+                }
+            })
+            .as_bytes(),
+        );
+        let note = found.warnings.iter().find(|note| note.code == "one-long-gap");
+        let note = note.unwrap_or_else(|| panic!("{stamp}: {:?}", found.findings));
+        assert!(note.sentence(Lang::En).contains("before sample 201,"), "{stamp}: {note:?}");
+    }
+}
+
+#[test]
 fn readings_in_g_under_a_name_of_another_unit() {
     let in_g = text(300, |_, row| {
         for x in &mut row[1..4] {
