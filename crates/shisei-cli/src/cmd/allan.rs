@@ -6,6 +6,9 @@ use std::path::PathBuf;
 use serde_json::json;
 use shisei_core::Lang;
 use shisei_core::allan::{self, Analysis};
+use shisei_core::filter::Dt;
+use shisei_core::rest::{self, RestSettings};
+use shisei_record::{Note, Recording};
 use shisei_report::figure::{Figure, Item};
 use shisei_report::page::{Block, Page};
 use shisei_report::plot::{Axis, Scale, Tone};
@@ -34,7 +37,9 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     let writer = Writer::new(args.force, lang, &args.files);
     let html = report.as_deref().map(|report| (report, Kind::Html));
     writer.check_all(&[(output.as_path(), Kind::Table)].into_iter().chain(html).collect::<Vec<_>>())?;
-    let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    let moved = moved(&recording);
+    recording.warnings.extend(moved);
     let shown = source.shown();
     let found = &recording.findings;
     // the deviation is that of evenly spaced samples; gaps would join what does not belong together
@@ -80,6 +85,21 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
         eprintln!("→ {}", path.display());
     }
     Ok(())
+}
+
+/// A doubt where the sensor was at rest for less than half of the time.
+fn moved(recording: &Recording) -> Option<Note> {
+    let dt = Dt::PerSample(&recording.dt_s);
+    let rests = rest::find_rests(&recording.acc_m_s2, &recording.gyro_rad_s, dt, &RestSettings::default());
+    let still: usize = rests.ok()?.iter().map(ExactSizeIterator::len).sum();
+    let percent = 100 * still / recording.len().max(1);
+    (!recording.counts && percent < 50).then(|| {
+        Note::new(
+            "moved",
+            format!("the sensor was at rest for {percent} % of the time only: these are the numbers of its motion, not of its noise"),
+            format!("センサが静止していたのは全体の {percent} % だけです。これらは雑音ではなく動きの値です"),
+        )
+    })
 }
 
 fn table(channels: &[Channel]) -> String {
@@ -145,7 +165,10 @@ fn rows(channels: &[Channel], lang: Lang) -> Vec<Vec<String>> {
                 format!("{:.5} ± {:.5} {walk_unit}", a.random_walk.value * walk, a.random_walk.sigma * walk),
                 floor_text,
                 format!("{:.2e} ± {:.1e}", a.rate_random_walk.value, a.rate_random_walk.sigma),
-                format!("{:.1} s", a.recommended_s),
+                match a.recommended_s {
+                    short if short < 1.0 => format!("{short:.3} s"),
+                    long => format!("{long:.1} s"),
+                },
             ]
         })
         .collect()

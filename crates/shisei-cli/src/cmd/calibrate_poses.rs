@@ -85,6 +85,17 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
 }
 
 fn refused(shown: &str, error: Error, args: &Calibrate, lang: Lang) -> Failure {
+    if let (Some(_), Error::FaceMissing { face }) = (args.turns, error) {
+        return Failure::condition(say(
+            lang,
+            format!(
+                "{shown}: no rest with {face} up was found; needed are rests on all six faces and one turn about each axis between two rests on the same face"
+            ),
+            format!(
+                "{shown}：{face} を上にした静止が見つかりません。6 面の静止と、同じ面での静止の間の各軸 1 回の回転が必要です"
+            ),
+        ));
+    }
     let mut failure = Failure::core(shown, error, lang);
     let hint = match (args.turns.is_some(), error) {
         (true, _) => say(

@@ -114,13 +114,15 @@ fn numbers_that_are_none_are_named() {
         (["orient", "in.csv", "--rate", "0"], ["--rate", "greater than 0"]),
         (["orient", "in.csv", "--rate", "-5"], ["--rate", "greater than 0"]),
         (["orient", "in.csv", "--rate", "nan"], ["--rate", "finite"]),
-        (["calibrate", "in.csv", "--window", "-1"], ["greater than 0", "windowSec is -1"]),
+        (["calibrate", "in.csv", "--window", "-1"], ["greater than 0", "--window"]),
         (["calibrate", "in.csv", "--gravity", "inf"], ["--gravity", "finite"]),
         (["earth", "in.csv", "--latitude", "95"], ["--latitude 95", "between -90 and 90"]),
     ] {
         check_refused(&args, &words);
     }
     check_refused(&["orient", "in.csv", "--filter", "mahony", "--kp", "-1"], &["kp is -1"]);
+    let limits = ["orient", "in.csv", "--filter", "mahony-adaptive", "--accel-limits", "9,2,3,4"];
+    check_refused(&limits, &["--accel-limits LE < LS"]);
     check_refused(&["orient", "in.csv", "--filter", "mahony", "--kp", "nan"], &["--kp", "finite"]);
 }
 
@@ -197,4 +199,12 @@ fn many_recordings_say_their_warnings_once() {
     assert!(ran.stderr.contains("warning (3): the sensor's x axis"), "{}", ran.stderr);
     let ran = desk.run(&["orient", ".", "--no-report", "--lang", "ja"]);
     assert!(ran.stderr.contains("注意 (3 件)：開始時にセンサの x 軸"), "{}", ran.stderr);
+}
+
+#[test]
+fn the_noise_of_a_sensor_that_moved_is_doubted() {
+    let desk = Desk::new();
+    let ran = desk.run(&["allan", &example("pelvis.csv"), "--no-report", "--lang", "en"]);
+    assert!(ran.stderr.contains("the sensor was at rest for 3"), "{}", ran.stderr);
+    assert!(!ran.stderr.contains(" 0.0 s"), "{}", ran.stderr);
 }
