@@ -51,6 +51,8 @@ GIVEN = {"acc_m_s2": ACC, "gyro_rad_s": GYRO}
     (shisei.DomainError, "slerp", lambda: shisei.slerp([1, 0, 0, 0], [0, 1, 0, 0], [0.5, np.nan])),
     (shisei.ShapeError, "matrix", lambda: shisei.from_matrix(np.eye(2))),
     (shisei.DomainError, "kp", lambda: shisei.mahony(**GIVEN, rate_hz=100, kp=np.nan)),
+    (shisei.ConditionError, "max_variance", lambda: shisei.six_face(**GIVEN, rate_hz=100)),
+    (shisei.DomainError, "window_s", lambda: shisei.six_face(**GIVEN, rate_hz=100, window_s=0)),
 ])
 def test_each_refusal_is_a_sentence_that_names_the_argument(error, words, call, language):
     shisei.set_language(language)
