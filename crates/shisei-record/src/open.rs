@@ -9,7 +9,7 @@ use crate::plan::{Plan, Reading, Triple};
 use crate::recording::{Channel, Findings, Note, Recording};
 use crate::sheet::{self, Sheet};
 use crate::stamp::{self, Cycle};
-use crate::units::{SECOND, Unit};
+use crate::units::{self, SECOND, Unit};
 use crate::{Input, merge, settle, suspect};
 use shisei_core::Lang;
 use std::borrow::Cow;
@@ -549,6 +549,9 @@ fn unwrap_counter(counts: &mut [f64], cycle: f64, findings: &mut Findings) {
     }
 }
 
+/// Steps in seconds are longer: no motion sensor gives more than 50,000 samples a second.
+const LEAST_STEP_S: f64 = 2e-5;
+
 /// The unit of a time column without one, from its start and its usual step; `None` for a mere counter.
 fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
     use crate::units::{MICROSECOND, MILLISECOND, NANOSECOND};
@@ -564,6 +567,10 @@ fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
         }
     }
     let step = clock::usual_step(raw);
+    // A spreadsheet's date: days since 1900, with the time of day behind the point.
+    if (20_000.0..80_000.0).contains(&origin) && 0.0 < step && step < LEAST_STEP_S {
+        return Some((units::DAY, "a spreadsheet's dates are days"));
+    }
     // A count that rises by one: sample numbers, unless it also skips as milliseconds do.
     let whole = raw.iter().take(2000).all(|v| *v == v.trunc());
     let ones = raw.windows(2).take(2000).filter(|w| w[1] - w[0] == 1.0).count();

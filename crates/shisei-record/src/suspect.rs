@@ -10,6 +10,8 @@ use shisei_core::{STANDARD_GRAVITY_M_S2 as G, Vec3};
 const LARGEST_RAD_S: f64 = 100.0;
 /// Largest acceleration that is believed, m/s²: sensors for impacts read up to 400 g.
 const LARGEST_M_S2: f64 = 5000.0;
+/// No motion sensor gives more samples a second.
+const LARGEST_RATE_HZ: f64 = 50_000.0;
 /// No recording lasts longer, s: thirty years.
 const LONGEST_S: f64 = 1e9;
 /// Fewer rows than this may well be alike.
@@ -21,6 +23,20 @@ pub(crate) fn look(out: &mut Recording) {
         out.warnings.extend(impossible(&out.acc_m_s2, &out.gyro_rad_s));
     }
     out.warnings.extend(one_wrong_stamp(&out.findings));
+    let rate_hz = out.findings.rate_hz;
+    if rate_hz > LARGEST_RATE_HZ {
+        out.warn(
+            "rate-odd",
+            format!(
+                "{rate_hz:.0} samples a second are more than any motion sensor gives; check the unit of the time, for \
+                 example --units time=ms, or give --rate"
+            ),
+            format!(
+                "1 秒あたり {rate_hz:.0} サンプルは、モーションセンサではありえない速さです。時刻の単位を確認するか (例 \
+                 --units time=ms)、--rate を指定してください"
+            ),
+        );
+    }
 }
 
 /// A gap that is most of the recording, or a time that no recording lasts: one wrong stamp does that.

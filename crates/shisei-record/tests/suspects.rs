@@ -103,6 +103,20 @@ fn one_wrong_stamp_is_pointed_at() {
 }
 
 #[test]
+fn a_spreadsheets_dates_are_days() {
+    // 2025-12-09 12:00 as Excel and Calc store it, to ten decimals of a day.
+    let header = HEADER.replace("time (s)", "Time");
+    let days = text(300, |k, row| row[0] = ((46000.5 + 0.01 * k as f64 / 86400.0) * 1e10).round() / 1e10);
+    let found = opened(days.replacen(HEADER, &header, 1).as_bytes());
+    assert!((found.findings.rate_hz - 100.0).abs() < 0.2, "{:?}", found.findings.rate_hz);
+    assert!((found.findings.duration_s - 2.99).abs() < 1e-3, "{:?}", found.findings.duration_s);
+    assert!(found.assumptions.iter().any(|note| note.sentence(Lang::En).contains("taken as days")));
+    // A step of a microsecond that is said to be in seconds.
+    let fast = opened(text(300, |_, row| row[0] *= 1e-4).as_bytes());
+    assert!(warnings(&fast).contains(&"rate-odd"), "{:?}", warnings(&fast));
+}
+
+#[test]
 fn readings_in_g_under_a_name_of_another_unit() {
     let in_g = text(300, |_, row| {
         for x in &mut row[1..4] {
