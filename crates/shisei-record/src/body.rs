@@ -1,12 +1,12 @@
 //! The rows of a table into numbers: one pass over the bytes, no copy of the text.
 
 use crate::blocks::{Blocks, SHORT};
-use crate::error::{Error, Place, Problem, Result, shorten};
+use crate::error::{Error, Place, Problem, Result};
 use crate::large_pages;
-use crate::number::{self, Cell, Shape};
-use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at, split};
-use crate::stamp::{self, Cycle};
-use crate::wide::{Vectors, wide};
+use crate::number;
+use crate::rows::{Looks, Reader, Start, plain_rows};
+use crate::sheet::{Delimiter, LINE_LIMIT, Sheet, line_at};
+use crate::wide::Vectors;
 use shisei_core::Vec3;
 use std::borrow::Cow;
 use std::collections::VecDeque;
@@ -74,105 +74,6 @@ pub(crate) struct Body {
     pub whole_numbers: bool,
 }
 
-/// The form of a time column, from its first cells.
-pub(crate) fn time_form(sheet: &Sheet<'_>, column: usize) -> Option<TimeForm> {
-    let cell = sheet.sample.iter().filter_map(|row| row.get(column)).find(|c| !c.trim().is_empty())?;
-    let text = cell.trim().as_bytes();
-    match number::cell(text, sheet.decimal) {
-        Cell::Number(_) => {
-            let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
-            if (10..=18).contains(&digits) {
-                Some(TimeForm::Large(whole(text.get(..digits)?)?))
-            } else if digits == 19 {
-                whole(text.get(..digits)?).map(TimeForm::Large)
-            } else {
-                Some(TimeForm::Number)
-            }
-        }
-        Cell::Text => stamp::parse(text).map(|s| match s.cycle {
-            Cycle::None => TimeForm::Text(s.ns),
-            _ => TimeForm::Text(0),
-        }),
-        _ => None,
-    }
-}
-
-fn whole(text: &[u8]) -> Option<i64> {
-    text.iter().try_fold(0i64, |n, b| {
-        let digit = b.checked_sub(b'0').filter(|d| *d < 10)?;
-        n.checked_mul(10)?.checked_add(i64::from(digit))
-    })
-}
-
-/// Reads a time cell: seconds for text, the raw number else.
-fn time_cell(cell: &[u8], form: TimeForm, decimal: u8) -> std::result::Result<f64, Problem> {
-    let text = number::trim(cell);
-    match form {
-        TimeForm::Number => value(cell, decimal),
-        TimeForm::Large(origin) => {
-            let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
-            match (text.get(..digits).filter(|d| !d.is_empty()).and_then(whole), text.get(digits..)) {
-                (Some(n), Some([])) => Ok(n.saturating_sub(origin) as f64),
-                (Some(n), Some([sign, fraction @ ..]))
-                    if *sign == decimal && fraction.iter().all(u8::is_ascii_digit) =>
-                {
-                    let part = match number::cell(text.get(digits..).unwrap_or_default(), decimal) {
-                        Cell::Number(part) => part,
-                        _ => 0.0,
-                    };
-                    Ok(n.saturating_sub(origin) as f64 + part)
-                }
-                _ => value(cell, decimal).map(|v| v - origin as f64),
-            }
-        }
-        TimeForm::Text(origin) => match stamp::parse(text) {
-            Some(stamp) => Ok(stamp.ns.saturating_sub(origin) as f64 / 1e9),
-            None if text.is_empty() => Err(Problem::Blank),
-            None => Err(Problem::BadStamp { text: shorten(&String::from_utf8_lossy(text)) }),
-        },
-    }
-}
-
-fn value(cell: &[u8], decimal: u8) -> std::result::Result<f64, Problem> {
-    match number::cell(cell, decimal) {
-        Cell::Number(value) => Ok(value),
-        Cell::Blank => Err(Problem::Blank),
-        Cell::NotFinite => {
-            Err(Problem::NotFinite { text: shorten(&String::from_utf8_lossy(number::trim(cell))) })
-        }
-        Cell::Text => {
-            Err(Problem::NotANumber { text: shorten(&String::from_utf8_lossy(number::trim(cell))) })
-        }
-    }
-}
-
-/// Why a row is bad: the problem, its column (from 0), and whether the row may be an incomplete end.
-struct Bad {
-    problem: Problem,
-    column: Option<usize>,
-    incomplete: bool,
-}
-
-/// What is read from a column, and into which slot.
-#[derive(Clone, Copy, Debug)]
-enum Action {
-    Skip,
-    Number(u8),
-    Time(u8, TimeForm),
-}
-
-struct Reader<'a, 's> {
-    sheet: &'a Sheet<'s>,
-    wanted: &'a Wanted,
-    /// What to do with each column.
-    action: Vec<Action>,
-    /// Columns up to the last wanted one.
-    needed: usize,
-    /// Columns at the start, save the last wanted one, that are all plain numbers.
-    plain: usize,
-    vectors: Vectors,
-}
-
 /// Reads all rows of a text in memory.
 pub(crate) fn read(sheet: &Sheet<'_>, wanted: &Wanted) -> Result<Body> {
     read_blocks(sheet, wanted, Blocks::of(sheet.text.get(sheet.data_offset..).unwrap_or_default()))
@@ -185,21 +86,7 @@ pub(crate) fn read_blocks(sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>
 }
 
 fn read_by(vectors: Vectors, sheet: &Sheet<'_>, wanted: &Wanted, blocks: Blocks<'_>) -> Result<Body> {
-    let last = wanted.slot.iter().flatten().copied().max().unwrap_or(0);
-    let mut action = vec![Action::Skip; last + 1];
-    for (slot, column) in wanted.slot.iter().enumerate() {
-        let form = match slot {
-            TIME => wanted.time_form,
-            COARSE => wanted.coarse_form,
-            _ => TimeForm::Number,
-        };
-        if let Some(place) = column.and_then(|c| action.get_mut(c)) {
-            let slot = slot as u8;
-            *place = if form == TimeForm::Number { Action::Number(slot) } else { Action::Time(slot, form) };
-        }
-    }
-    let plain = action.iter().take(last).take_while(|action| matches!(action, Action::Number(_))).count();
-    let reader = Reader { sheet, wanted, action, needed: last + 1, plain, vectors };
+    let reader = Reader::new(vectors, sheet, wanted);
     let mut joined = Joined::new(&reader, blocks.length);
     let threads = match blocks.pieces.threads {
         _ if !matches!(sheet.delimiter, Delimiter::Byte(_)) => 1,
@@ -222,15 +109,7 @@ struct Joined<'a, 's> {
     line_number: usize,
     /// The first of the incomplete rows that may be the end, and their number.
     pending: Option<(Error, usize)>,
-    shape: Vec<Shape>,
-}
-
-/// The rows at the start of a block that are plain numbers.
-struct Start<'b> {
-    block: Cow<'b, [u8]>,
-    rows: Body,
-    /// Where the row that needs care begins, or the block's end.
-    stop: usize,
+    looks: Looks,
 }
 
 impl<'a, 's> Joined<'a, 's> {
@@ -238,8 +117,13 @@ impl<'a, 's> Joined<'a, 's> {
         let wanted = reader.wanted;
         let mut out = Body::new(wanted);
         reserve(&mut out, reader.sheet, length, wanted);
-        let shape = vec![Shape::default(); reader.needed];
-        Joined { reader, out, line_number: reader.sheet.data_line - 1, pending: None, shape }
+        Joined {
+            reader,
+            out,
+            line_number: reader.sheet.data_line - 1,
+            pending: None,
+            looks: Looks::new(reader),
+        }
     }
 
     fn unreadable(&self, error: &std::io::Error) -> Error {
@@ -248,7 +132,7 @@ impl<'a, 's> Joined<'a, 's> {
 
     fn alone(&mut self, mut blocks: Blocks<'_>) -> Result<()> {
         while let Some(block) = blocks.next().map_err(|e| self.unreadable(&e))? {
-            self.shape.iter_mut().for_each(Shape::trust);
+            self.looks.trust();
             self.rest(&block, 0)?;
             blocks.give_back(block);
         }
@@ -263,12 +147,12 @@ impl<'a, 's> Joined<'a, 's> {
         std::thread::scope(|scope| {
             for _ in 0..threads {
                 scope.spawn(|| {
-                    let mut shape = vec![Shape::default(); reader.needed];
+                    let mut looks = Looks::new(reader);
                     loop {
                         let job = receive.lock().map_or(None, |jobs| jobs.recv().ok());
                         let Some((block, answer)) = job else { return };
                         // Nobody waits where an earlier row was refused.
-                        let _ = answer.send(reader.start(block, &mut shape));
+                        let _ = answer.send(reader.start(block, &mut looks));
                     }
                 });
             }
@@ -320,12 +204,12 @@ impl<'a, 's> Joined<'a, 's> {
 
     /// Reads the rows of a block from `at` on.
     fn rest(&mut self, text: &[u8], mut at: usize) -> Result<()> {
-        let Joined { reader, out, line_number, pending, shape } = self;
+        let Joined { reader, out, line_number, pending, looks } = self;
         let wanted = reader.wanted;
         let mut row = [0.0f64; SLOTS];
         loop {
             let rows = out.rows;
-            at = plain_rows(reader.vectors, reader, text, at, out, shape);
+            at = plain_rows(reader.vectors, reader, text, at, out, looks);
             *line_number += out.rows - rows;
             if out.rows > rows
                 && let Some((error, _)) = pending.take()
@@ -396,13 +280,14 @@ impl<'a, 's> Joined<'a, 's> {
 }
 
 impl Body {
-    fn new(wanted: &Wanted) -> Body {
+    /// Without rows.
+    pub fn new(wanted: &Wanted) -> Body {
         Body { whole_numbers: true, keep: vec![Vec::new(); wanted.keep.len()], ..Body::default() }
     }
 }
 
 /// Room for as many rows as the first lines' length suggests in `length` bytes.
-fn reserve(out: &mut Body, sheet: &Sheet<'_>, length: u64, wanted: &Wanted) {
+pub(crate) fn reserve(out: &mut Body, sheet: &Sheet<'_>, length: u64, wanted: &Wanted) {
     let rest = sheet.text.get(sheet.data_offset..).unwrap_or_default();
     let head = rest.get(..rest.len().min(1 << 16)).unwrap_or(rest);
     let lines = memchr::memchr_iter(b'\n', head).count().max(1);
@@ -430,175 +315,45 @@ fn make_room<T>(series: &mut Vec<T>, rows: usize) {
     large_pages::ask_for(series);
 }
 
+/// Appends a row.
 #[inline(always)]
 pub(crate) fn push(out: &mut Body, row: &[f64; SLOTS], wanted: &Wanted) {
-    out.rows += 1;
-    if wanted.slot[TIME].is_some() {
-        out.time.push(row[TIME]);
+    push_rows(out, row.each_ref().map(std::slice::from_ref), wanted);
+}
+
+/// Appends rows; there are as many numbers for every slot.
+#[inline(always)]
+pub(crate) fn push_rows(out: &mut Body, slots: [&[f64]; SLOTS], wanted: &Wanted) {
+    out.rows += slots[TIME].len();
+    let has = |slot: usize| wanted.slot[slot].is_some();
+    if has(TIME) {
+        out.time.extend_from_slice(slots[TIME]);
     }
-    if wanted.slot[COARSE].is_some() {
-        out.coarse.push(row[COARSE]);
+    if has(COARSE) {
+        out.coarse.extend_from_slice(slots[COARSE]);
     }
-    if wanted.slot[GRAVITY].is_some() {
-        out.acc.push([0, 1, 2].map(|i| row[ACC + i] + row[GRAVITY + i]));
-    } else if wanted.slot[ACC].is_some() {
-        out.acc.push([row[ACC], row[ACC + 1], row[ACC + 2]]);
+    if has(GRAVITY) {
+        let gravity = triples(slots, GRAVITY);
+        out.acc.extend(triples(slots, ACC).zip(gravity).map(|(acc, g)| [0, 1, 2].map(|i| acc[i] + g[i])));
+    } else if has(ACC) {
+        out.acc.extend(triples(slots, ACC));
     }
-    if wanted.slot[GYRO].is_some() {
-        out.gyro.push([row[GYRO], row[GYRO + 1], row[GYRO + 2]]);
+    if has(GYRO) {
+        out.gyro.extend(triples(slots, GYRO));
     }
-    if wanted.slot[TEMP].is_some() {
-        out.temp.push(row[TEMP]);
+    if has(TEMP) {
+        out.temp.extend_from_slice(slots[TEMP]);
     }
     if out.whole_numbers {
-        out.whole_numbers = row[ACC..GYRO + 3].iter().all(|v| *v == v.trunc());
+        out.whole_numbers = slots[ACC..GYRO + 3].iter().all(|slot| slot.iter().all(|v| *v == v.trunc()));
     }
 }
 
-wide! {
-    /// Reads the plain rows from `at` on; gives where the row begins that needs care, or the text's end. `shape` has
-    /// what each column's number in the row before looked like.
-    fn plain_rows<'a, 's; >(
-        reader: &Reader<'a, 's>,
-        text: &[u8],
-        at: usize,
-        out: &mut Body,
-        shape: &mut [Shape],
-    ) -> usize {
-        let mut row = [0.0f64; SLOTS];
-        let mut at = at;
-        while at < text.len()
-            && let Some(next) = reader.fast(text, at, &mut row, shape)
-        {
-            push(out, &row, reader.wanted);
-            if !reader.wanted.keep.is_empty() {
-                reader.keep(text.get(at..next).unwrap_or_default(), out);
-            }
-            at = next;
-        }
-        at
-    }
-}
-
-impl Reader<'_, '_> {
-    /// Reads the plain rows at the start of a block.
-    fn start<'b>(&self, block: Cow<'b, [u8]>, shape: &mut [Shape]) -> Start<'b> {
-        shape.iter_mut().for_each(Shape::trust);
-        let mut rows = Body::new(self.wanted);
-        reserve(&mut rows, self.sheet, block.len() as u64, self.wanted);
-        let stop = plain_rows(self.vectors, self, &block, 0, &mut rows, shape);
-        Start { block, rows, stop }
-    }
-
-    /// Reads a row of plain numbers; gives the start of the next line, or nothing where the row needs care.
-    /// `shape` has what each column's number in the row before looked like.
-    #[inline(always)]
-    fn fast(&self, text: &[u8], start: usize, row: &mut [f64; SLOTS], shape: &mut [Shape]) -> Option<usize> {
-        let Delimiter::Byte(separator) = self.sheet.delimiter else { return None };
-        let decimal = self.sheet.decimal;
-        let mut at = start;
-        let last = self.needed - 1;
-        // Numbers with the separator after them, then the others.
-        let (plain, others) = self.action.split_at_checked(self.plain)?;
-        let (plain_shapes, shapes) = shape.split_at_mut_checked(self.plain)?;
-        for (action, shape) in plain.iter().zip(plain_shapes) {
-            let Action::Number(slot) = action else { return None };
-            let (value, end) = number::scan_like(text, at, decimal, separator, shape)?;
-            *row.get_mut(usize::from(*slot))? = value;
-            if text.get(end) != Some(&separator) {
-                return None;
-            }
-            at = end + 1;
-        }
-        for ((column, action), shape) in (self.plain..).zip(others).zip(shapes) {
-            let end = match action {
-                Action::Number(slot) => {
-                    let place = row.get_mut(usize::from(*slot))?;
-                    let after = if column == last { b'\n' } else { separator };
-                    let (value, end) = number::scan_like(text, at, decimal, after, shape)?;
-                    *place = value;
-                    end
-                }
-                Action::Skip => {
-                    let rest = text.get(at..)?;
-                    let end = rest.iter().position(|b| *b == separator || *b == b'\n' || *b == b'"')?;
-                    if rest.get(end) != Some(&separator) {
-                        return None;
-                    }
-                    at += end + 1;
-                    continue;
-                }
-                Action::Time(slot, form) => {
-                    at += usize::from(text.get(at) == Some(&b' '));
-                    let rest = text.get(at..)?;
-                    let length = rest.iter().position(|b| *b == separator || *b == b'\n')?;
-                    *row.get_mut(usize::from(*slot))? =
-                        time_cell(rest.get(..length)?, *form, decimal).ok()?;
-                    at + length
-                }
-            };
-            match text.get(end) {
-                Some(b) if *b == separator => at = end + 1,
-                Some(b'\n') if column == last => return Some(end + 1),
-                Some(b'\r') if column == last && text.get(end + 1) == Some(&b'\n') => return Some(end + 2),
-                None if column == last => return Some(end),
-                _ => return None,
-            }
-        }
-        // More cells follow on the line.
-        match memchr::memchr(b'\n', text.get(at..)?) {
-            Some(end) if end <= LINE_LIMIT => Some(at + end + 1),
-            None if text.len() - at <= LINE_LIMIT => Some(text.len()),
-            _ => None,
-        }
-    }
-
-    fn slow(&self, line: &[u8], row: &mut [f64; SLOTS]) -> std::result::Result<(), Bad> {
-        let cells = split(line, self.sheet.delimiter);
-        let decimal = self.sheet.decimal;
-        let numbers = cells.iter().filter(|c| matches!(number::cell(c, decimal), Cell::Number(_))).count();
-        if cells.len() < self.needed {
-            let problem = Problem::ShortRow { cells: cells.len(), needed: self.needed };
-            return Err(Bad { problem, column: None, incomplete: true });
-        }
-        for (column, action) in self.action.iter().enumerate() {
-            let cell = cells.get(column).copied().unwrap_or_default();
-            let (slot, read) = match action {
-                Action::Skip => continue,
-                Action::Time(slot, form) => (slot, time_cell(cell, *form, decimal)),
-                Action::Number(slot) if usize::from(*slot) == TEMP && self.wanted.lenient_temp => {
-                    (slot, Ok(value(cell, decimal).unwrap_or(f64::NAN)))
-                }
-                Action::Number(slot) => (slot, value(cell, decimal)),
-            };
-            match read {
-                Ok(value) => {
-                    if let Some(place) = row.get_mut(usize::from(*slot)) {
-                        *place = value;
-                    }
-                }
-                Err(problem) => {
-                    let incomplete = problem == Problem::Blank || numbers == 0;
-                    return Err(Bad { problem, column: Some(column), incomplete });
-                }
-            }
-        }
-        Ok(())
-    }
-
-    fn keep(&self, line: &[u8], out: &mut Body) {
-        let cells = split(line.trim_ascii_end(), self.sheet.delimiter);
-        for (column, kept) in self.wanted.keep.iter().zip(&mut out.keep) {
-            let cell = cells.get(*column).copied().unwrap_or_default();
-            kept.push(self.sheet.encoding.decode(number::trim(cell)).into());
-        }
-    }
-
-    fn error(&self, bad: &Bad, line: usize) -> Error {
-        let column = bad.column.map(|c| (c + 1, self.sheet.header.get(c).cloned().unwrap_or_default()));
-        let place = Place { file: self.sheet.name.to_owned(), line: Some(line), column };
-        Error::at(bad.problem.clone(), place)
-    }
+/// Rows of three neighbouring slots.
+#[inline(always)]
+fn triples(slots: [&[f64]; SLOTS], first: usize) -> impl ExactSizeIterator<Item = Vec3> + '_ {
+    let [x, y, z] = [0, 1, 2].map(|i| slots[first + i].iter());
+    x.zip(y).zip(z).map(|((x, y), z)| [*x, *y, *z])
 }
 
 #[cfg(test)]
@@ -606,6 +361,7 @@ mod tests {
     use super::*;
     use crate::options::Options;
     use crate::sheet;
+    use proptest::prelude::*;
 
     /// Every way of writing numbers, in lines of several kinds.
     #[test]
@@ -642,6 +398,48 @@ mod tests {
                 body.gyro.iter().map(|v| bits(v[2])).eq(expected.iter().map(|v| bits(v[1]))),
                 "{vectors:?}"
             );
+        }
+    }
+
+    /// Rows of one look, with others among them.
+    fn table() -> impl Strategy<Value = String> {
+        let number =
+            (any::<i32>(), 0usize..7).prop_map(|(n, places)| format!("{:.places$}", f64::from(n) / 1e5));
+        let odd = prop_oneof![Just(String::new()), Just("x".to_owned()), Just(" 1".to_owned()), number];
+        let change = prop_oneof![
+            40 => Just(None),
+            1 => (0usize..8, odd).prop_map(Some),
+        ];
+        let end = prop_oneof![30 => Just("\n"), 1 => Just("\r\n"), 1 => Just(",7\n"), 1 => Just("\n\n")];
+        let row = (any::<[i16; 7]>(), change, end).prop_map(|(values, change, end)| {
+            let mut cells = values.map(|v| format!("{:.3}", f64::from(v) / 1e3)).to_vec();
+            match change {
+                Some((7, _)) => drop(cells.pop()),
+                Some((place, cell)) => cells[place] = cell,
+                None => {}
+            }
+            cells.join(",") + end
+        });
+        (proptest::collection::vec(row, 0..300), any::<bool>()).prop_map(|(rows, windows)| {
+            let head = "time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z\n0.0,1,2,3,4,5,6\n".to_owned();
+            let text = head + &rows.concat();
+            if windows { text.replace("\r\n", "\n").replace('\n', "\r\n") } else { text }
+        })
+    }
+
+    proptest! {
+        #[test]
+        fn rows_together_are_the_rows_alone(text in table(), skip_bad: bool) {
+            let sheet = sheet::sniff("a.csv", text.as_bytes(), &Options::default()).unwrap();
+            let slot = std::array::from_fn(|slot| (slot < TEMP).then_some(slot));
+            let wanted = Wanted { slot, skip_bad, ..Wanted::default() };
+            let rest = || Blocks::of(sheet.text.get(sheet.data_offset..).unwrap());
+            let reader = Reader::new(Vectors::widest(), &sheet, &wanted);
+            let mut alone = Joined::new(&reader, 0);
+            alone.looks.row_by_row();
+            let alone = alone.alone(rest()).and_then(|()| alone.finish());
+            let together = read_blocks(&sheet, &wanted, rest());
+            prop_assert_eq!(format!("{together:?}"), format!("{alone:?}"));
         }
     }
 }

@@ -7,6 +7,7 @@ use crate::error::{Error, Problem, Result};
 use crate::options::Options;
 use crate::plan::{Plan, Reading, Triple};
 use crate::recording::{Channel, Findings, Note, Recording};
+use crate::rows;
 use crate::sheet::{self, Sheet};
 use crate::stamp::{self, Cycle};
 use crate::units::{self, SECOND, Unit};
@@ -366,13 +367,13 @@ fn time_columns(
     if options.rate_hz.is_some() {
         return clock;
     }
-    let mut column = plan.time.filter(|c| body::time_form(sheet, *c).is_some());
+    let mut column = plan.time.filter(|c| rows::time_form(sheet, *c).is_some());
     if column.is_none() {
         column = plan.counter.filter(|_| reading.rate_hz.is_some());
         clock.counter = column.is_some();
     }
     let Some(column) = column else { return clock };
-    let Some(form) = body::time_form(sheet, column) else { return clock };
+    let Some(form) = rows::time_form(sheet, column) else { return clock };
     wanted.slot[body::TIME] = Some(column);
     wanted.time_form = form;
     clock.unit = options.units.time.or(plan.time_unit).or(reading.time_unit);
@@ -387,7 +388,7 @@ fn time_columns(
         clock.dated = cycle == Cycle::None;
     }
     if let Some(coarse) = reading.coarse_time
-        && let Some(form) = body::time_form(sheet, coarse)
+        && let Some(form) = rows::time_form(sheet, coarse)
     {
         wanted.slot[body::COARSE] = Some(coarse);
         wanted.coarse_form = form;

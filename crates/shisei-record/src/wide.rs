@@ -20,7 +20,7 @@ impl Vectors {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
-            if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") {
+            if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt") {
                 if has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
                     return Vectors(Width::Avx512);
                 }
@@ -45,22 +45,22 @@ impl Vectors {
 /// A function of `Vectors` and the arguments, with a copy of its body for every width; what the body calls is inlined
 /// into them.
 macro_rules! wide {
-    ($(#[$doc:meta])* fn $name:ident<$($life:lifetime),*; $($kind:ident: $bound:path),*>
+    ($(#[$doc:meta])* $vis:vis fn $name:ident<$($life:lifetime),*; $($kind:ident: $bound:path),*>
      ($($arg:ident: $type:ty),* $(,)?) $(-> $ret:ty)? $body:block) => {
         $(#[$doc])*
         #[allow(unsafe_code)] // as in `wide`
-        fn $name<$($life,)* $($kind: $bound),*>(vectors: $crate::wide::Vectors, $($arg: $type),*) $(-> $ret)? {
+        $vis fn $name<$($life,)* $($kind: $bound),*>(vectors: $crate::wide::Vectors, $($arg: $type),*) $(-> $ret)? {
             #[inline(always)]
             fn plain<$($life,)* $($kind: $bound),*>($($arg: $type),*) $(-> $ret)? $body
 
             #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
             fn avx2<$($life,)* $($kind: $bound),*>($($arg: $type),*) $(-> $ret)? {
                 plain($($arg),*)
             }
 
             #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,avx512f,avx512dq,avx512vl,avx512bw")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512dq,avx512vl,avx512bw")]
             fn avx512<$($life,)* $($kind: $bound),*>($($arg: $type),*) $(-> $ret)? {
                 plain($($arg),*)
             }
