@@ -263,7 +263,8 @@ pub fn of_notes(recording: &Recording, lang: Lang) -> String {
     notes(&recording.assumptions, warnings, lang)
 }
 
-fn notes<'a>(assumptions: &[Note], warnings: impl Iterator<Item = &'a str>, lang: Lang) -> String {
+/// The same of notes and sentences.
+pub fn notes<'a>(assumptions: &[Note], warnings: impl Iterator<Item = &'a str>, lang: Lang) -> String {
     let mut text = String::new();
     for note in assumptions {
         let _ = writeln!(text, "  {} {}", say(lang, "assumed:", "仮定："), note.sentence(lang));

@@ -73,7 +73,7 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     }
     writer.write(&output, Kind::Table, |out| out.write_all(table(&channels).as_bytes()))?;
     if let Some(path) = &report {
-        let page = page(&channels, &shown, recording.findings.duration_s, lang);
+        let page = page(&channels, &shown, &recording, lang);
         writer.write(path, Kind::Html, |out| out.write_all(page.as_bytes()))?;
     }
     if args.json && !is_stdout(&output) {
@@ -193,7 +193,9 @@ fn text(channels: &[Channel], lang: Lang) -> String {
     out
 }
 
-fn page(channels: &[Channel], shown: &str, duration_s: f64, lang: Lang) -> String {
+fn page(channels: &[Channel], shown: &str, recording: &Recording, lang: Lang) -> String {
+    let duration_s = recording.findings.duration_s;
+    let warnings = recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
     let mut blocks = vec![Block::Table {
         heading: say(lang, "Noise", "雑音"),
         head: head(lang),
@@ -229,7 +231,7 @@ fn page(channels: &[Channel], shown: &str, duration_s: f64, lang: Lang) -> Strin
         title: say(lang, "Allan deviation", "アラン偏差"),
         sources: vec![shown.to_owned()],
         facts: vec![(say(lang, "Duration", "長さ"), format!("{duration_s:.1} s"))],
-        warnings: Vec::new(),
+        warnings,
         plots: Vec::new(),
         attitude: None,
         blocks,

@@ -65,7 +65,12 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
             title: say(lang, "Calibration", "キャリブレーション"),
             sources: vec![shown.clone()],
             facts: Vec::new(),
-            warnings: found.warnings,
+            warnings: recording
+                .warnings
+                .iter()
+                .map(|note| note.sentence(lang).to_owned())
+                .chain(found.warnings)
+                .collect(),
             plots: Vec::new(),
             attitude: None,
             blocks: found

@@ -46,9 +46,10 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
         calibration::apply(&file, &mut recording, lang)?;
     }
     let track = track(args, &recording, end).map_err(|e| Failure::core(&source.shown(), e, lang))?;
+    let warnings = doubts(args, &recording, &track, lang);
     writer.write(&output, Kind::Motion, |out| write_csv(out, &recording, &track))?;
     if let Some(path) = &report {
-        let page = page(args, &recording, &track, &source.shown(), lang);
+        let page = page(args, &recording, &track, warnings.clone(), &source.shown(), lang);
         writer.write(path, Kind::Html, |out| out.write_all(page.as_bytes()))?;
     }
     let last = track.position_m.len() - 1;
@@ -90,7 +91,8 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
             ),
         )
     );
-    eprint!("{}", summary::of_notes(&recording, lang));
+    let said = warnings.iter().map(String::as_str);
+    eprint!("{}", summary::notes(&recording.assumptions, said, lang));
     for path in [Some(&output), report.as_ref()].into_iter().flatten().filter(|p| !is_stdout(p)) {
         eprintln!("→ {}", path.display());
     }
@@ -223,7 +225,35 @@ fn write_csv(out: &mut dyn Write, recording: &Recording, track: &Track) -> io::R
     out.write_all(&line)
 }
 
-fn page(args: &Motion, recording: &Recording, track: &Track, shown: &str, lang: Lang) -> String {
+/// What to know before trusting the result, of the recording and of the motion.
+fn doubts(args: &Motion, recording: &Recording, track: &Track, lang: Lang) -> Vec<String> {
+    let mut warnings: Vec<String> =
+        recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
+    if args.mode == MotionMode::Naive {
+        warnings.push(say(
+            lang,
+            "Nothing is corrected after the first rest: the error grows with the cube of the time. rest-to-rest is the trustworthy mode.",
+            "最初の静止以降は補正しません。誤差は時間の 3 乗で増えます。信頼できる結果には rest-to-rest を使ってください。",
+        ));
+    }
+    if track.phases.last() == Some(&Phase::Moving) && args.mode != MotionMode::Naive {
+        warnings.push(say(
+            lang,
+            "The recording does not end at rest: the last stretch is not corrected from its far side.",
+            "記録が静止で終わっていません。最後の区間は終端側から補正されていません。",
+        ));
+    }
+    warnings
+}
+
+fn page(
+    args: &Motion,
+    recording: &Recording,
+    track: &Track,
+    warnings: Vec<String>,
+    shown: &str,
+    lang: Lang,
+) -> String {
     let time = &recording.time_s;
     let mut still = Vec::new();
     let mut start = None;
@@ -295,21 +325,6 @@ fn page(args: &Motion, recording: &Recording, track: &Track, shown: &str, lang: 
         }
     };
     let p = track.position_m[last];
-    let mut warnings = Vec::new();
-    if args.mode == MotionMode::Naive {
-        warnings.push(say(
-            lang,
-            "Nothing is corrected after the first rest: the error grows with the cube of the time. rest-to-rest is the trustworthy mode.",
-            "最初の静止以降は補正しません。誤差は時間の 3 乗で増えます。信頼できる結果には rest-to-rest を使ってください。",
-        ));
-    }
-    if track.phases.last() == Some(&Phase::Moving) && args.mode != MotionMode::Naive {
-        warnings.push(say(
-            lang,
-            "The recording does not end at rest: the last stretch is not corrected from its far side.",
-            "記録が静止で終わっていません。最後の区間は終端側から補正されていません。",
-        ));
-    }
     Page {
         lang,
         title: say(lang, "Motion", "運動"),

@@ -207,4 +207,18 @@ fn the_noise_of_a_sensor_that_moved_is_doubted() {
     let ran = desk.run(&["allan", &example("pelvis.csv"), "--no-report", "--lang", "en"]);
     assert!(ran.stderr.contains("the sensor was at rest for 3"), "{}", ran.stderr);
     assert!(!ran.stderr.contains(" 0.0 s"), "{}", ran.stderr);
+    desk.run(&["allan", &example("pelvis.csv"), "--report", "a.html", "--lang", "en"]);
+    assert!(desk.text("a.html").contains("the sensor was at rest for 3"), "the report says it too");
+}
+
+#[test]
+fn what_the_report_of_a_motion_doubts_is_said_in_the_terminal_too() {
+    let desk = Desk::new();
+    let text = std::fs::read_to_string(example("pelvis.csv")).expect("the example");
+    desk.put("cut.csv", text.lines().take(700).map(|line| format!("{line}\n")).collect::<String>());
+    let ran = desk.run(&["motion", "cut.csv", "--lang", "en"]);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    let sentence = "The recording does not end at rest";
+    assert!(ran.stderr.contains(sentence), "{}", ran.stderr);
+    assert!(desk.text("cut.motion.html").contains(sentence));
 }
