@@ -82,9 +82,11 @@ pub fn expand(paths: &[PathBuf], lang: Lang) -> Outcome<Sources> {
             let endings = ENDINGS.join(", ");
             return Err(Failure::input(say(
                 lang,
-                format!("{shown} has no recordings: no file ends in {endings}; name the files themselves"),
                 format!(
-                    "{shown} に記録がありません ({endings} のファイルがありません)。ファイルを直接指定してください"
+                    "{shown} has no recordings: no file directly in it ends in {endings}; name the files themselves"
+                ),
+                format!(
+                    "{shown} の直下に記録がありません ({endings} のファイルがありません)。ファイルを直接指定してください"
                 ),
             )));
         }

@@ -152,15 +152,20 @@ impl Writer {
                 format!("{shown}：ここに書き出せるのは {} のファイルです", endings.join(" または ")),
             )));
         }
-        if !path.exists() {
-            return Ok(());
-        }
-        if path.is_dir() {
+        let names_a_directory = path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
+        if path.is_dir() || names_a_directory {
             return Err(Failure::input(say(
                 lang,
                 format!("{shown} is a directory; name a file"),
                 format!("{shown} はディレクトリです。ファイル名を指定してください"),
             )));
+        }
+        if !path.exists() {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            return match folder.filter(|folder| !folder.is_dir()) {
+                Some(_) => Err(self.unwritable(path, &io::ErrorKind::NotFound.into())),
+                None => Ok(()),
+            };
         }
         if path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
             return Err(Failure::input(say(

@@ -96,6 +96,14 @@ fn an_ending_that_lies_is_refused() {
     }
 }
 
+/// Before the recording is read, so that an hour of it is not computed in vain.
+#[test]
+fn a_place_that_is_not_there_is_refused_at_once() {
+    check_refused(&["orient", "no.csv", "-o", "results/"], &["results/ is a directory"]);
+    check_refused(&["orient", "no.csv", "-o", "results/x.csv"], &["results/x.csv", "no such directory"]);
+    check_refused(&["motion", "no.csv", "--report", "results/x.html"], &["no such directory"]);
+}
+
 #[test]
 fn options_without_a_meaning_are_refused() {
     check_refused(&["motion", "in.csv", "--scheme", "euler"], &["--scheme", "rest-to-rest"]);
