@@ -46,6 +46,25 @@ pub enum Command {
     Simulate(crate::args_live::Simulate),
 }
 
+/// Numbers may be negative, so that what is wrong with one can be said, and must be finite.
+pub fn with_checked_numbers(command: clap::Command) -> clap::Command {
+    let number = std::any::TypeId::of::<f64>();
+    command
+        .mut_args(|arg| {
+            if arg.is_positional() || !arg.get_action().takes_values() || arg.is_allow_hyphen_values_set() {
+                return arg;
+            }
+            let checked = arg.get_value_parser().type_id() == number;
+            let arg = arg.allow_negative_numbers(true);
+            if checked { arg.value_parser(finite) } else { arg }
+        })
+        .mut_subcommands(with_checked_numbers)
+}
+
+fn finite(text: &str) -> Result<f64, &'static str> {
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite()).ok_or("a finite number is needed")
+}
+
 /// How to read the input where it does not say so itself.
 #[derive(Args, Clone, Debug, Default)]
 pub struct Reading {
@@ -220,18 +239,18 @@ pub struct Calibrate {
     pub turns: Option<f64>,
     #[command(flatten)]
     pub report: Report,
-    /// Length of a rest, s
-    #[arg(long, value_name = "S", default_value_t = 3.0)]
-    pub window: f64,
-    /// Step of the search, s
-    #[arg(long, value_name = "S", default_value_t = 0.1)]
-    pub step: f64,
-    /// How far a face may be from level, degrees
-    #[arg(long, value_name = "DEG", default_value_t = 15.0)]
-    pub max_tilt: f64,
-    /// Largest variance of a rest, (m/s²)²
-    #[arg(long, value_name = "VAR", default_value_t = 0.01)]
-    pub var_threshold: f64,
+    /// six-face: length of a rest, s (default 3)
+    #[arg(long, value_name = "S")]
+    pub window: Option<f64>,
+    /// six-face: step of the search, s (default 0.1)
+    #[arg(long, value_name = "S")]
+    pub step: Option<f64>,
+    /// six-face: how far a face may be from level, degrees (default 15)
+    #[arg(long, value_name = "DEG")]
+    pub max_tilt: Option<f64>,
+    /// six-face: largest variance of a rest, (m/s²)² (default 0.01)
+    #[arg(long, value_name = "VAR")]
+    pub var_threshold: Option<f64>,
     /// Gravity where the recording was made, m/s²
     #[arg(long, value_name = "M/S2", default_value_t = shisei_core::STANDARD_GRAVITY_M_S2)]
     pub gravity: f64,
@@ -254,7 +273,7 @@ pub struct Apply {
     /// The calibration to apply
     #[arg(long, value_name = "CAL.json", required = true)]
     pub calibration: PathBuf,
-    /// Where the corrected recording goes; - is standard output
+    /// Where the corrected recording goes, .csv or .parquet; - is standard output
     #[arg(short, long, value_name = "OUT.csv", required = true)]
     pub output: PathBuf,
     #[command(flatten)]

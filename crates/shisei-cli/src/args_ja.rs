@@ -57,7 +57,19 @@ const OPTIONS: &[(&str, &str)] = &[
     ("world", "出力の座標系: z-up、y-up、unity (省略時はテイクのまま)"),
     ("frozen", "姿勢がこの回数だけ完全に同じなら欠落とみなします。0 で無効"),
     ("lang", "メッセージ・ヘルプ・レポートの言語: en または ja (省略時はロケールに従います)"),
-    ("files", "記録ファイル (orient ではディレクトリも可)。- は標準入力です"),
+    ("files", "記録ファイル。- は標準入力です"),
+    ("orient.files", "記録ファイル、またはそのディレクトリ。- は標準入力です"),
+    (
+        "calibrate.files",
+        "6 面それぞれで 3 秒以上静止した記録、または多数の姿勢で静止した記録。- は標準入力です",
+    ),
+    ("convert.files", "記録ファイル 1 つ、または加速度とジャイロの 2 ファイル。- は標準入力です"),
+    ("motion.files", "静止で始まる (rest-to-rest では静止で終わる) 記録。- は標準入力です"),
+    ("allan.files", "動かないセンサの記録。長いほどよい結果になります。- は標準入力です"),
+    (
+        "earth.files",
+        "方向ごとの記録、または平均角速度の表 1 つ (gyr_x,gyr_y,gyr_z [rad/s]。acc_x … と heading_deg も可)",
+    ),
     (
         "columns",
         "列の意味。ファイルの順に time,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z (その他の列は '-')、または acc_x=列名,…",
@@ -69,7 +81,20 @@ const OPTIONS: &[(&str, &str)] = &[
     ("skip_bad_rows", "欠けた値や読めない値のある行を、エラーにせず取り除きます"),
     ("sensor", "複数のセンサを含むファイルで、使うセンサの名前"),
     ("json", "結果を 1 つの JSON として標準出力に書きます"),
-    ("output", "出力先 (省略時は作業ディレクトリの NAME.…)。表は .csv または .parquet。- は標準出力です"),
+    ("calibrate.json", "キャリブレーションを標準出力にも JSON で書きます"),
+    (
+        "orient.output",
+        "姿勢の出力先 (.csv または .parquet。省略時は作業ディレクトリの NAME.orientation.csv)。記録が複数ならディレクトリ。- は標準出力です",
+    ),
+    (
+        "calibrate.output",
+        "キャリブレーションの出力先 (省略時は作業ディレクトリの NAME.calibration.json)。- は標準出力です",
+    ),
+    ("apply.output", "補正した記録の出力先 (.csv または .parquet)。- は標準出力です"),
+    ("convert.output", "出力先 (.csv または .parquet)。- は標準出力 (CSV) です"),
+    ("motion.output", "運動の出力先 (省略時は作業ディレクトリの NAME.motion.csv)。- は標準出力です"),
+    ("allan.output", "曲線の表の出力先 (省略時は作業ディレクトリの NAME.allan.csv)。- は標準出力です"),
+    ("earth.output", "--serial で計測した方向の表の出力先 (省略時は作業ディレクトリの directions.csv)"),
     ("record.output", "記録の出力先"),
     ("record.force", "既存のファイルを上書きします"),
     ("lab.output", "ポートを用意する代わりに、レシーバの出力を実時間より速くファイルに書き出します"),
@@ -93,26 +118,31 @@ const OPTIONS: &[(&str, &str)] = &[
     ("rest", "ジャイロのバイアスと初期姿勢を求める静止区間: auto、START:END [秒]、none"),
     ("relative", "ヨー・ピッチ・ロールの基準: 静止時に対する world 軸、body 軸、または none (そのまま)"),
     ("forward", "前方を向くセンサ軸 (±x, ±y, ±z)。開始時に水平へ投影した向きがワールドの x 軸になります"),
-    ("calibration", "適用するキャリブレーション"),
+    ("calibration", "最初に記録へ適用するキャリブレーション"),
+    ("apply.calibration", "適用するキャリブレーション"),
     ("degrees", "角度をラジアンではなく度で出力します"),
     ("keep", "入力のその他の列を出力に残します"),
     ("report", "レポートの出力先 (省略時は作業ディレクトリに、ほかの結果と同じ名前の .html)"),
     ("no_report", "レポートを出力しません"),
     ("plot", "ヨー・ピッチ・ロールの図も出力します"),
     ("force", "shisei が書いたものでないファイルも上書きします"),
-    ("window", "静止区間の長さ [秒]"),
-    ("step", "探索の間隔 [秒]"),
-    ("max_tilt", "各面の許容傾き [度]"),
-    ("var_threshold", "静止とみなす分散の上限 [(m/s²)²]"),
+    (
+        "motion.force",
+        "shisei が書いたものでないファイルも上書きし、位置を信頼できる時間を超えても計算を続けます",
+    ),
+    ("window", "six-face: 静止区間の長さ [秒] (省略時 3)"),
+    ("step", "six-face: 探索の間隔 [秒] (省略時 0.1)"),
+    ("max_tilt", "six-face: 各面の許容傾き [度] (省略時 15)"),
+    ("var_threshold", "six-face: 静止とみなす分散の上限 [(m/s²)²] (省略時 0.01)"),
     (
         "method",
         "方法: six-face (6 面静止)、multi-pose (多姿勢から 9 パラメータ)、gyro-turns (ジャイロの行列も)",
     ),
     ("turns", "gyro-turns: 6 面静止と各軸 1 回の既知の回転の角度 [度]。負の値は符号どおりに扱います"),
     ("mode", "方法: rest-to-rest (静止から静止)、foot (足に付けた歩行)、naive (逐次積分のみ)"),
-    ("scheme", "naive の積分の順序: semi-implicit、euler、trapezoid"),
-    ("end", "最後の位置 X,Y,Z [m] が分かっている場合に指定します"),
-    ("closed", "最後に最初の位置へ戻ったことを使います"),
+    ("scheme", "--mode naive での積分の順序 (省略時 semi-implicit)"),
+    ("end", "最後の位置 X,Y,Z [m] が分かっている場合に指定します (rest-to-rest、foot)"),
+    ("closed", "最後に最初の位置へ戻ったことを使います (rest-to-rest、foot)"),
     ("latitude", "計測地の緯度 [度] (北緯が正)"),
     (
         "headings",
@@ -123,9 +153,9 @@ const OPTIONS: &[(&str, &str)] = &[
         "平均の重み: capped (長い欠落の後のサンプルを通常の 1 ステップとして数える) または article (記事のまま)",
     ),
     ("serial", "Spresense のスケッチが動くシリアルポート。計測を画面で案内します"),
-    ("baud", "シリアルポートの速度 (省略時 115200)"),
-    ("directions", "--serial で計測する方向の数 (省略時 8)"),
-    ("seconds", "--serial で 1 方向あたり平均する秒数 (省略時 65)"),
+    ("baud", "シリアルポートの速度"),
+    ("directions", "--serial で計測する方向の数"),
+    ("seconds", "--serial で 1 方向あたり平均する秒数"),
     ("sensor_id", "キャリブレーションに記録するセンサの名前"),
     ("ports", "問い合わせるシリアルポート。省略すると USB からレシーバを探します"),
     ("identify", "ノードを 10 秒間点滅させます (番号または all)"),
@@ -262,7 +292,8 @@ mod tests {
         }
         for arg in command.get_arguments() {
             let id = arg.get_id().as_str();
-            if text(OPTIONS, id).is_none() {
+            let own = format!("{}.{id}", command.get_name());
+            if text(OPTIONS, &own).or_else(|| text(OPTIONS, id)).is_none() {
                 missing.push(format!("{} --{id}", command.get_name()));
             }
         }

@@ -44,13 +44,13 @@ pub struct Motion {
     /// How: rest-to-rest, foot (walking with the sensor on a foot), or naive (step by step, nothing corrected)
     #[arg(long, value_enum, default_value = "rest-to-rest")]
     pub mode: MotionMode,
-    /// Order of the naive integration
-    #[arg(long, value_enum, default_value = "semi-implicit")]
-    pub scheme: SchemeName,
-    /// Where the movement ends, m, where that is known
+    /// With --mode naive: order of the integration (default: semi-implicit)
+    #[arg(long, value_enum)]
+    pub scheme: Option<SchemeName>,
+    /// Where the movement ends, m, where that is known (rest-to-rest and foot)
     #[arg(long, value_name = "X,Y,Z", allow_hyphen_values = true)]
     pub end: Option<String>,
-    /// The movement ends where it began
+    /// The movement ends where it began (rest-to-rest and foot)
     #[arg(long, conflicts_with = "end")]
     pub closed: bool,
     /// Gravity where the recording was made, m/s²

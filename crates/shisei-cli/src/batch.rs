@@ -7,11 +7,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
+use shisei_core::Lang;
 
 use crate::cmd::orient::{self, Places, Plan};
 use crate::fail::{Exit, Failure, Outcome, say};
 use crate::input::{self, Source, Unopened};
 use crate::summary::{colon, padded};
+
+/// How many kinds of warnings are written out.
+const WARNINGS_SHOWN: usize = 8;
 
 /// What the table keeps of a recording that worked: a line, not its samples.
 #[derive(Debug)]
@@ -20,21 +24,31 @@ struct Line {
     samples: usize,
     rate_hz: f64,
     duration_s: f64,
-    warnings: usize,
+    warnings: Vec<String>,
     json: Value,
 }
 
 /// Orients every source; results go to `-o DIRECTORY` or the working directory.
 pub fn run(plan: &Plan, sources: Vec<Source>) -> Outcome<()> {
     let lang = plan.lang;
-    let folder = folder(plan)?;
-    if plan.args.report.path.is_some() || plan.args.plot.is_some() {
+    let args = &plan.args;
+    let named = [
+        ("--report", args.report.path.is_some()),
+        ("--plot", args.plot.is_some()),
+        ("--save-calibration", args.save_calibration.is_some()),
+    ];
+    if let Some((option, _)) = named.into_iter().find(|(_, given)| *given) {
         return Err(Failure::input(say(
             lang,
-            "--report and --plot name one file, and there are several recordings; leave them out (reports are named after the recordings)",
-            "--report と --plot は 1 つのファイル名ですが、記録が複数あります。指定を外してください (レポート名は記録名から決まります)",
+            format!(
+                "{option} names one file, and there are several recordings; leave it out, or give one recording (reports are named after the recordings)"
+            ),
+            format!(
+                "{option} は 1 つのファイル名ですが、記録が複数あります。指定を外すか、記録を 1 つにしてください (レポート名は記録名から決まります)"
+            ),
         )));
     }
+    let folder = folder(plan)?;
     let stems = unique_stems(&sources);
     let (mut lines, refused) = work(plan, &folder, &sources, &stems);
 
@@ -131,8 +145,8 @@ fn work(
                             samples: done.recording.len(),
                             rate_hz: done.recording.findings.rate_hz,
                             duration_s: done.recording.findings.duration_s,
-                            warnings: done.warnings.len(),
                             json: done.json(),
+                            warnings: done.warnings,
                         }),
                         Err(error) => results.1.push((source.clone(), error)),
                     }
@@ -144,11 +158,36 @@ fn work(
     results.into_inner().unwrap_or_default()
 }
 
+/// The warnings of all recordings, each once with how many have it, the most frequent first.
+fn warnings_of_all(lines: &[Line], lang: Lang) -> String {
+    let mut counts: HashMap<&str, usize> = HashMap::new();
+    for warning in lines.iter().flat_map(|line| &line.warnings) {
+        *counts.entry(warning).or_default() += 1;
+    }
+    let mut counts: Vec<(&str, usize)> = counts.into_iter().collect();
+    counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
+    let (shown, others) = counts.split_at(counts.len().min(WARNINGS_SHOWN));
+    let mut text: String = shown
+        .iter()
+        .map(|(warning, n)| {
+            say(lang, format!("warning ({n}): {warning}\n"), format!("注意 ({n} 件)：{warning}\n"))
+        })
+        .collect();
+    if !others.is_empty() {
+        text += &say(
+            lang,
+            format!("… and {} more; shisei info FILE shows those of a recording\n", others.len()),
+            format!("ほか {} 種類。shisei info ファイル で記録ごとに確認できます\n", others.len()),
+        );
+    }
+    text
+}
+
 fn finish(plan: &Plan, lines: &[Line], failures: Vec<(Source, Unopened)>) -> Outcome<()> {
     let lang = plan.lang;
     let width = lines.iter().map(|line| line.shown.chars().count()).max().unwrap_or(0).clamp(12, 60);
     for line in lines {
-        let warnings = match line.warnings {
+        let warnings = match line.warnings.len() {
             0 => String::new(),
             n => say(lang, format!("  {n} warning(s)"), format!("  注意 {n} 件")),
         };
@@ -158,6 +197,7 @@ fn finish(plan: &Plan, lines: &[Line], failures: Vec<(Source, Unopened)>) -> Out
             line.samples, line.rate_hz, line.duration_s
         );
     }
+    eprint!("{}", warnings_of_all(lines, lang));
     let mut refusals: Vec<(String, String)> =
         failures.into_iter().map(|(source, why)| (source.shown(), why.failure(lang).sentence)).collect();
     refusals.sort();

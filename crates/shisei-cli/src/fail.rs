@@ -41,8 +41,29 @@ impl Failure {
             Kind::Condition => Exit::Condition,
         };
         let colon = if lang == Lang::Ja { "：" } else { ": " };
-        Failure { exit, sentence: format!("{file}{colon}{}", error.sentence(lang)) }
+        Failure { exit, sentence: format!("{file}{colon}{}", as_options(error.sentence(lang).to_string())) }
     }
+}
+
+/// The core names parameters as worksheets do; here they are options.
+fn as_options(mut sentence: String) -> String {
+    for (name, option) in [
+        ("varThreshold", "--var-threshold"),
+        ("maxTiltRad", "--max-tilt"),
+        ("windowSec", "--window"),
+        ("stepSec", "--step"),
+        ("kpMin", "--kp-min"),
+        ("kpMax", "--kp"),
+        (
+            "accelLowerEnd < accelLowerStart <= accelUpperStart < accelUpperEnd",
+            "--accel-limits LE < LS <= US < UE",
+        ),
+    ] {
+        if sentence.contains(name) {
+            sentence = sentence.replace(name, option);
+        }
+    }
+    sentence
 }
 
 /// `Ok` or a refusal.

@@ -82,9 +82,11 @@ pub fn expand(paths: &[PathBuf], lang: Lang) -> Outcome<Sources> {
             let endings = ENDINGS.join(", ");
             return Err(Failure::input(say(
                 lang,
-                format!("{shown} has no recordings: no file ends in {endings}; name the files themselves"),
                 format!(
-                    "{shown} に記録がありません ({endings} のファイルがありません)。ファイルを直接指定してください"
+                    "{shown} has no recordings: no file directly in it ends in {endings}; name the files themselves"
+                ),
+                format!(
+                    "{shown} の直下に記録がありません ({endings} のファイルがありません)。ファイルを直接指定してください"
                 ),
             )));
         }
@@ -179,6 +181,15 @@ pub fn options(reading: &Reading, lang: Lang) -> Outcome<Options> {
     let refuse = |error: shisei_record::Error| Failure::input(error.sentence(lang));
     let mut options = Options { rate_hz: reading.rate, sensor: reading.sensor.clone(), ..Options::default() };
     options.skip_bad_rows = reading.skip_bad_rows;
+    if let Some(rate_hz) = reading.rate.filter(|rate_hz| *rate_hz <= 0.0) {
+        return Err(Failure::input(say(
+            lang,
+            format!("--rate {rate_hz}: a sampling rate is greater than 0 Hz, for example --rate 100"),
+            format!(
+                "--rate {rate_hz}：0 より大きいサンプリング周波数 [Hz] を指定してください (例 --rate 100)"
+            ),
+        )));
+    }
     if let Some(text) = &reading.columns {
         options.columns = Some(Columns::parse(text).map_err(refuse)?);
     }

@@ -1,5 +1,8 @@
 //! The `shisei` command: parses, calls, prints. No formula lives here.
 
+#[macro_use]
+mod speak;
+
 mod args;
 mod args_fuse;
 mod args_ja;
@@ -27,18 +30,18 @@ use clap::{CommandFactory, FromArgMatches};
 use shisei_core::Lang;
 
 use args::{Cli, Command};
-use fail::{Exit, Outcome, say};
+use fail::{Exit, Failure, Outcome, say};
 
 fn main() -> ExitCode {
     let arguments: Vec<std::ffi::OsString> = std::env::args_os().collect();
     let lang = lang::choose(&arguments);
     let worked = std::panic::catch_unwind(|| run(&arguments, lang));
     match worked {
-        Ok(Ok(())) => ExitCode::SUCCESS,
-        Ok(Err(failure)) => {
-            eprintln!("{}", failure.sentence);
-            ExitCode::from(failure.exit as u8)
-        }
+        Ok(Ok(())) => match speak::unsaid() {
+            None => ExitCode::SUCCESS,
+            Some(error) => ended(&Failure::input(output::unwritable("-", error, lang))),
+        },
+        Ok(Err(failure)) => ended(&failure),
         Err(_) => {
             eprintln!(
                 "{}",
@@ -61,8 +64,13 @@ fn main() -> ExitCode {
     }
 }
 
+fn ended(failure: &Failure) -> ExitCode {
+    eprintln!("{}", failure.sentence);
+    ExitCode::from(failure.exit as u8)
+}
+
 fn run(arguments: &[std::ffi::OsString], lang: Lang) -> Outcome<()> {
-    let mut command = Cli::command();
+    let mut command = args::with_checked_numbers(Cli::command());
     if lang == Lang::Ja {
         command = args_ja::localize(command);
     }
@@ -95,7 +103,7 @@ fn usage(error: &clap::Error, lang: Lang) -> Outcome<()> {
         return Ok(());
     }
     if error.kind() == ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand || lang == Lang::En {
-        return Err(fail::Failure::input(error.to_string().trim_end().to_owned()));
+        return Err(Failure::input(error.to_string().trim_end().to_owned()));
     }
     let context = |kind| error.get(kind).map(ToString::to_string).unwrap_or_default();
     let argument = context(clap::error::ContextKind::InvalidArg);
@@ -119,7 +127,7 @@ fn usage(error: &clap::Error, lang: Lang) -> Outcome<()> {
         ErrorKind::ArgumentConflict => {
             format!("{argument} は {} と同時に指定できません", context(clap::error::ContextKind::PriorArg))
         }
-        _ => return Err(fail::Failure::input(error.to_string().trim_end().to_owned())),
+        _ => return Err(Failure::input(error.to_string().trim_end().to_owned())),
     };
-    Err(fail::Failure::input(format!("{sentence}。使い方は shisei --help で確認できます")))
+    Err(Failure::input(format!("{sentence}。使い方は shisei --help で確認できます")))
 }

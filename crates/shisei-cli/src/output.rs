@@ -44,6 +44,22 @@ pub enum Kind {
 }
 
 impl Kind {
+    /// Endings that name what is written; a name without an ending does as well.
+    fn endings(self) -> &'static [&'static str] {
+        match self {
+            Kind::Orientation | Kind::Recording => &["csv", "parquet", "txt"],
+            Kind::Motion | Kind::Table | Kind::Fused | Kind::Motive => &["csv", "txt"],
+            Kind::Html => &["html", "htm"],
+            Kind::Png => &["png"],
+            Kind::Calibration => &["json"],
+            Kind::Parquet => &["parquet"],
+            Kind::Sto => &["sto"],
+            Kind::Mot => &["mot"],
+            Kind::Glb => &["glb"],
+            Kind::Mcap => &["mcap"],
+        }
+    }
+
     fn is_ours(self, head: &[u8]) -> bool {
         let has = |needle: &str| head.windows(needle.len()).any(|window| window == needle.as_bytes());
         match self {
@@ -100,37 +116,72 @@ impl Writer {
         Writer { force, lang, inputs }
     }
 
-    /// Refuses early, before any work is done, what [`Writer::write`] would refuse.
-    pub fn check(&self, path: &Path, kind: Kind) -> Outcome<()> {
-        if is_stdout(path) || is_special(path) || !path.exists() {
+    /// Refuses early, before any work is done, what [`Writer::write`] would refuse, and two results in one place.
+    pub fn check_all(&self, results: &[(&Path, Kind)]) -> Outcome<()> {
+        for (k, (path, kind)) in results.iter().enumerate() {
+            self.check(path, *kind)?;
+            if !is_special(path) && results[..k].iter().any(|(before, _)| same_place(before, path)) {
+                let shown = path.display();
+                return Err(Failure::input(say(
+                    self.lang,
+                    format!(
+                        "{shown} would hold two results, and the second would replace the first; name two files"
+                    ),
+                    format!(
+                        "{shown} に 2 つの結果を書くことはできません。別々のファイル名を指定してください"
+                    ),
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Refuses what [`Writer::write`] would refuse.
+    fn check(&self, path: &Path, kind: Kind) -> Outcome<()> {
+        if is_stdout(path) || is_special(path) {
             return Ok(());
         }
         let lang = self.lang;
         let shown = path.display();
-        if path.is_dir() {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        if !path.is_dir() && ending.is_some_and(|ending| !kind.endings().contains(&ending.as_str())) {
+            let endings = kind.endings().iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>();
             return Err(Failure::input(say(
                 lang,
-                format!("{shown} is a directory; name a file with -o"),
-                format!("{shown} はディレクトリです。-o にはファイル名を指定してください"),
+                format!("{shown}: what is written there ends in {}; name such a file", endings.join(" or ")),
+                format!("{shown}：ここに書き出せるのは {} のファイルです", endings.join(" または ")),
             )));
+        }
+        let names_a_directory = path.as_os_str().to_string_lossy().ends_with(std::path::is_separator);
+        if path.is_dir() || names_a_directory {
+            return Err(Failure::input(say(
+                lang,
+                format!("{shown} is a directory; name a file"),
+                format!("{shown} はディレクトリです。ファイル名を指定してください"),
+            )));
+        }
+        if !path.exists() {
+            let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
+            return match folder.filter(|folder| !folder.is_dir()) {
+                Some(_) => Err(self.unwritable(path, &io::ErrorKind::NotFound.into())),
+                None => Ok(()),
+            };
         }
         if path.canonicalize().is_ok_and(|path| self.inputs.contains(&path)) {
             return Err(Failure::input(say(
                 lang,
-                format!(
-                    "{shown} is an input of this run and is never overwritten; name another file with -o"
-                ),
-                format!("{shown} は入力ファイルのため上書きしません。-o で別のファイル名を指定してください"),
+                format!("{shown} is an input of this run and is never overwritten; name another file"),
+                format!("{shown} は入力ファイルのため上書きしません。別のファイル名を指定してください"),
             )));
         }
         if !self.force && !kind.is_ours(&head(path)) {
             return Err(Failure::input(say(
                 lang,
                 format!(
-                    "{shown} exists and was not written by shisei; name another file with -o, or overwrite it with --force"
+                    "{shown} exists and was not written by shisei; name another file, or overwrite it with --force"
                 ),
                 format!(
-                    "{shown} は既に存在し、shisei の出力ではありません。-o で別名にするか、--force で上書きしてください"
+                    "{shown} は既に存在し、shisei の出力ではありません。別名にするか、--force で上書きしてください"
                 ),
             )));
         }
@@ -171,13 +222,30 @@ impl Writer {
     }
 
     fn unwritable(&self, path: &Path, error: &io::Error) -> Failure {
-        let shown = path.display();
-        Failure::input(say(
-            self.lang,
-            format!("{shown} could not be written ({error}); choose another place with -o"),
-            format!("{shown} に書き込めませんでした ({error})。-o で別の場所を指定してください"),
-        ))
+        Failure::input(unwritable(&path.display().to_string(), error, self.lang))
     }
+}
+
+/// The sentence for a place that cannot be written.
+pub fn unwritable(shown: &str, error: &io::Error, lang: Lang) -> String {
+    let (why, why_ja) = match error.kind() {
+        io::ErrorKind::NotFound => ("there is no such directory", "ディレクトリがありません"),
+        io::ErrorKind::PermissionDenied => ("writing there is not permitted", "書き込みが許可されていません"),
+        io::ErrorKind::ReadOnlyFilesystem => ("it can only be read", "読み取り専用です"),
+        io::ErrorKind::StorageFull => ("the disk is full", "ディスクに空きがありません"),
+        _ => {
+            return say(
+                lang,
+                format!("{shown} could not be written ({error}); choose another place"),
+                format!("{shown} に書き込めませんでした ({error})。別の場所を指定してください"),
+            );
+        }
+    };
+    say(
+        lang,
+        format!("{shown} could not be written: {why}; choose another place"),
+        format!("{shown} に書き込めませんでした。{why_ja}。別の場所を指定してください"),
+    )
 }
 
 /// A result under its temporary name.
@@ -193,9 +261,11 @@ fn stage(
 ) -> io::Result<Option<tempfile::NamedTempFile>> {
     if is_stdout(path) {
         let mut out = BufWriter::new(io::stdout().lock());
-        body(&mut out)?;
-        out.flush()?;
-        return Ok(None);
+        return match body(&mut out).and_then(|()| out.flush()) {
+            // A reader that went away has read what it wanted: `| head`.
+            Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(None),
+            written => written.map(|()| None),
+        };
     }
     if is_special(path) {
         // A device or pipe cannot be renamed over.
@@ -224,6 +294,15 @@ fn stage(
 /// True for `-`.
 pub fn is_stdout(path: &Path) -> bool {
     path.as_os_str() == "-"
+}
+
+/// True where both names are of one file, there or not.
+fn same_place(a: &Path, b: &Path) -> bool {
+    let whole = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        path.canonicalize().ok().or_else(|| Some(folder.canonicalize().ok()?.join(path.file_name()?)))
+    };
+    a == b || whole(a).is_some_and(|a| whole(b).is_some_and(|b| a == b))
 }
 
 fn is_special(path: &Path) -> bool {

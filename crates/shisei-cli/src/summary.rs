@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 use shisei_core::Lang;
 use shisei_core::orient::{Method, Orientation};
-use shisei_record::Recording;
+use shisei_record::{Note, Recording};
 use shisei_report::{OrientationReport, Uncertainty};
 
 use crate::args::Relative;
@@ -237,8 +237,9 @@ pub fn of_one(plan: &Plan, done: &Done) -> String {
     let lang = plan.lang;
     let mut text = String::new();
     let _ = writeln!(text, "{}", done.source.shown());
+    let width = if lang == Lang::Ja { 26 } else { 24 };
     for (name, value) in facts(plan, &done.recording, &done.orientation) {
-        let _ = writeln!(text, "  {}{value}", padded(&name, 24));
+        let _ = writeln!(text, "  {}{value}", padded(&name, width));
     }
     for (axis, name) in [say(lang, "Yaw", "ヨー"), say(lang, "Pitch", "ピッチ"), say(lang, "Roll", "ロール")]
         .iter()
@@ -247,24 +248,42 @@ pub fn of_one(plan: &Plan, done: &Done) -> String {
         let (least, most) = done.angle_ranges[axis];
         let (least, most) = (least * DEG_PER_RAD, most * DEG_PER_RAD);
         let range = say(lang, format!("{least:.1}° to {most:.1}°"), format!("{least:.1}°〜{most:.1}°"));
-        let _ = writeln!(text, "  {}{range}", padded(name, 24));
+        let _ = writeln!(text, "  {}{range}", padded(name, width));
     }
-    for note in &done.recording.assumptions {
-        let _ = writeln!(text, "  {} {}", say(lang, "assumed:", "仮定："), note.sentence(lang));
-    }
-    for warning in &done.warnings {
-        let _ = writeln!(text, "  {} {warning}", say(lang, "warning:", "注意："));
-    }
+    text += &notes(&done.recording.assumptions, done.warnings.iter().map(String::as_str), lang);
     for path in done.outputs.iter().filter(|path| !output::is_stdout(path)) {
         let _ = writeln!(text, "→ {}", path.display());
     }
     text
 }
 
+/// What was assumed of a recording and what to know before trusting a result, a line each.
+pub fn of_notes(recording: &Recording, lang: Lang) -> String {
+    let warnings = recording.warnings.iter().map(|note| note.sentence(lang));
+    notes(&recording.assumptions, warnings, lang)
+}
+
+/// The same of notes and sentences.
+pub fn notes<'a>(assumptions: &[Note], warnings: impl Iterator<Item = &'a str>, lang: Lang) -> String {
+    let mut text = String::new();
+    for note in assumptions {
+        let _ = writeln!(text, "  {} {}", say(lang, "assumed:", "仮定："), note.sentence(lang));
+    }
+    for warning in warnings {
+        let _ = writeln!(text, "  {} {warning}", say(lang, "warning:", "注意："));
+    }
+    text
+}
+
 /// Padded to a width in terminal columns; Japanese characters take two.
 pub fn padded(text: &str, width: usize) -> String {
-    let columns: usize = text.chars().map(|c| if c as u32 >= 0x1100 { 2 } else { 1 }).sum();
-    format!("{text}{}", " ".repeat(width.saturating_sub(columns).max(1)))
+    format!("{text}{}", " ".repeat(width.saturating_sub(columns_of(text)).max(1)))
+}
+
+/// How many columns of a terminal a text takes.
+pub fn columns_of(text: &str) -> usize {
+    let wide = |c: char| c as u32 >= 0x1100 && !('\u{2000}'..='\u{2fff}').contains(&c);
+    text.chars().map(|c| if wide(c) { 2 } else { 1 }).sum()
 }
 
 /// The language's separator between a file and what is said of it.

@@ -90,14 +90,14 @@ pub enum Error {
     ZeroAxis,
     /// A matrix is not a rotation.
     NotARotation,
-    /// A parameter must be greater than zero.
+    /// A parameter must be finite and greater than zero.
     NotPositive {
         /// Its name.
         name: &'static str,
         /// Its value.
         value: f64,
     },
-    /// A parameter must not be negative.
+    /// A parameter must be finite and not negative.
     Negative {
         /// Its name.
         name: &'static str,
@@ -266,6 +266,9 @@ fn english(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::NotARotation => {
             write!(f, "the matrix is not a rotation; its rows must be orthonormal and right-handed")
         }
+        Error::NotPositive { name, value } | Error::Negative { name, value } if !value.is_finite() => {
+            write!(f, "{name} is {value}; it must be a finite number")
+        }
         Error::NotPositive { name, value } => {
             write!(f, "{name} is {value}; it must be greater than 0")
         }
@@ -351,6 +354,9 @@ fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::ZeroAxis => write!(f, "回転軸がゼロです。向きのある軸を指定してください"),
         Error::NotARotation => {
             write!(f, "回転行列ではありません。各行が正規直交で右手系である必要があります")
+        }
+        Error::NotPositive { name, value } | Error::Negative { name, value } if !value.is_finite() => {
+            write!(f, "{name} が {value} です。有限の数値にしてください")
         }
         Error::NotPositive { name, value } => {
             write!(f, "{name} が {value} です。0 より大きい値にしてください")

@@ -122,7 +122,7 @@ fn adaptive_gain_by_hand() {
     assert!(matches!(AdaptiveGain { kp_min: 3.0, ..gain }.kp(9.8, 9.8), Err(Error::OutOfOrder { .. })));
     assert!(matches!(AdaptiveGain { kp_min: -0.1, ..gain }.kp(9.8, 9.8), Err(Error::Negative { .. })));
     assert!(matches!(gain.kp(9.8, 0.0), Err(Error::NotPositive { .. })));
-    assert_eq!(gain.kp(9.8, f64::NAN), Err(Error::NotFinite { row: 0 }));
+    assert!(matches!(gain.kp(9.8, f64::NAN), Err(Error::NotPositive { name: "gravity", .. })));
 }
 
 /// The classical four stages, one after another.
@@ -242,7 +242,8 @@ fn the_integral_learns_the_bias() {
 fn settings_are_checked() {
     assert!(matches!(Mahony::new(start(), -1.0, 0.0), Err(Error::Negative { name: "kp", .. })));
     assert!(matches!(Mahony::new(start(), 1.0, -1.0), Err(Error::Negative { name: "ki", .. })));
-    assert_eq!(Mahony::new(start(), f64::NAN, 0.0), Err(Error::NotFinite { row: 0 }));
+    let of_nan = Mahony::new(start(), f64::NAN, 0.0).unwrap_err();
+    assert_eq!(of_nan.sentence(shisei_core::Lang::En).to_string(), "kp is NaN; it must be a finite number");
     assert_eq!(
         Mahony::new(Quaternion::new(0.0, 0.0, 0.0, 0.0), 1.0, 0.0),
         Err(Error::ZeroQuaternion { row: 0 })

@@ -1,7 +1,7 @@
 //! Calibrations and their application.
 
 use crate::arrays::{rows, table};
-use crate::errors::exception;
+use crate::errors::{DomainError, exception};
 use numpy::{PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
@@ -11,6 +11,17 @@ use shisei_core::calibration::known_turns::{self as turns, Part, Parts, TurnAngl
 use shisei_core::calibration::recording::{calibrate_poses, find_parts};
 use shisei_core::calibration::still::{StillSegment, StillSettings, still_segments};
 use shisei_core::calibration::{FaceTable, SensorModel, SixFaceSettings, search_faces, solve};
+use shisei_functions::last_error::user_lang;
+use shisei_record::calibration::CalibrationFile;
+
+/// Refuses the text of a file that is no calibration.
+#[pyfunction]
+pub fn check_calibration(name: &str, text: &[u8]) -> PyResult<()> {
+    let lang = user_lang();
+    CalibrationFile::from_json(text)
+        .map(drop)
+        .map_err(|error| DomainError::new_err(format!("{name}: {}", error.sentence(lang))))
+}
 
 /// Finds the faces, then solves; `faces` is there also when the solution is not (`error` says why then).
 #[pyfunction]

@@ -24,7 +24,17 @@ pub fn register(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("ShapeError", py.get_type::<ShapeError>())?;
     module.add("DomainError", py.get_type::<DomainError>())?;
     module.add("ConditionError", py.get_type::<ConditionError>())?;
+    module.add_function(wrap_pyfunction!(language, module)?)?;
     module.add_function(wrap_pyfunction!(set_language, module)?)
+}
+
+/// The language in use: "en" or "ja".
+#[pyfunction]
+fn language() -> &'static str {
+    match last_error::user_lang() {
+        Lang::En => "en",
+        Lang::Ja => "ja",
+    }
 }
 
 /// "en" or "ja".
@@ -41,10 +51,42 @@ fn set_language(lang: &str) -> PyResult<()> {
     Ok(())
 }
 
-/// The exception of an error met by `function`.
+/// The exception of an error met by `function` of the package, whose arguments have names of their own.
 pub fn exception(function: &str, error: impl Into<Error>) -> PyErr {
     let error = error.into();
-    let text = format!("{function}: {}", error.sentence(last_error::user_lang()));
+    let mut text = sentence(function, &error);
+    for (name, argument) in [
+        ("varThreshold", "max_variance"),
+        ("maxTiltRad", "max_tilt_rad"),
+        ("windowSec", "window_s"),
+        ("stepSec", "step_s"),
+        ("minAccScale", "min_acc_scale"),
+        ("maxAccScale", "max_acc_scale"),
+        ("kpMin", "kp_min"),
+        ("kpMax", "kp_max"),
+        ("accelLowerEnd", "lower_end"),
+        ("accelLowerStart", "lower_start"),
+        ("accelUpperStart", "upper_start"),
+        ("accelUpperEnd", "upper_end"),
+    ] {
+        if text.contains(name) {
+            text = text.replace(name, argument);
+        }
+    }
+    of_kind(&error, text)
+}
+
+/// The exception of an error met by a worksheet function.
+pub fn sheet_exception(function: &str, error: Error) -> PyErr {
+    let text = sentence(function, &error);
+    of_kind(&error, text)
+}
+
+fn sentence(function: &str, error: &Error) -> String {
+    format!("{function}: {}", error.sentence(last_error::user_lang()))
+}
+
+fn of_kind(error: &Error, text: String) -> PyErr {
     match error.kind() {
         Some(Kind::Shape) => ShapeError::new_err(text),
         Some(Kind::Domain) => DomainError::new_err(text),

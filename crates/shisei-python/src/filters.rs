@@ -14,6 +14,7 @@ use shisei_core::filter::{
 use shisei_core::motion::{DeadReckoning, MotionState, Scheme};
 use shisei_core::orient::{self as whole, Method, Relative, RestChoice, Settings};
 use shisei_core::{Quaternion, Result, Vec3};
+use shisei_functions::last_error::user_lang;
 use shisei_wide::Vectors;
 
 type Quat = [f64; 4];
@@ -132,6 +133,29 @@ impl MahonyFilter {
     }
 }
 
+/// What is odd about readings that are said to be in m/s² and rad/s, a sentence each.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn doubts<'py>(
+    py: Python<'py>,
+    acc_m_s2: PyReadonlyArray2<'py, f64>,
+    gyro_rad_s: PyReadonlyArray2<'py, f64>,
+    dt_s: Step<'py>,
+) -> PyResult<Vec<String>> {
+    let (acc, gyro) = (rows::<3>(&acc_m_s2, "acc_m_s2")?, rows::<3>(&gyro_rad_s, "gyro_rad_s")?);
+    let steps;
+    let dt = match dt_s.dt()? {
+        Dt::PerSample(dt) => dt,
+        Dt::Constant(dt) => {
+            steps = vec![dt; gyro.len()];
+            &steps
+        }
+    };
+    let lang = user_lang();
+    let notes = py.detach(|| shisei_record::doubts(acc, gyro, dt));
+    Ok(notes.iter().map(|note| note.sentence(lang).to_owned()).collect())
+}
+
 /// A whole recording: rest, bias, start, filter. `rest` is None, "auto" or (start, end) in rows.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // what PyO3 extracts; keywords in the package
@@ -191,34 +215,6 @@ pub fn orient<'py>(
         result.set_item("sigma_heading_rad", PyArray1::from_vec(py, certainty.sigma_heading_rad))?;
     }
     Ok(result)
-}
-
-/// Hamilton products row by row; both have as many rows.
-#[pyfunction]
-#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
-pub fn multiply<'py>(
-    py: Python<'py>,
-    a: PyReadonlyArray2<'py, f64>,
-    b: PyReadonlyArray2<'py, f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
-    let (a, b) = (rows::<4>(&a, "a")?, rows::<4>(&b, "b")?);
-    if a.len() != b.len() {
-        let error = shisei_core::Error::LengthMismatch { first: a.len(), second: b.len() };
-        return Err(exception("multiply", error));
-    }
-    let product =
-        |(&a, &b): (&Quat, &Quat)| Quaternion::from_array(a).product(Quaternion::from_array(b)).to_array();
-    let out: Vec<Quat> = py.detach(|| a.iter().zip(b).map(product).collect());
-    table(py, out)
-}
-
-/// Spherical interpolation from `a` to `b` at each t.
-#[pyfunction]
-pub fn slerp(py: Python<'_>, a: Quat, b: Quat, t: Vec<f64>) -> PyResult<Bound<'_, PyArray2<f64>>> {
-    let unit =
-        |q: Quat| Quaternion::from_array(q).try_normalized().map_err(|error| exception("slerp", error));
-    let (a, b) = (unit(a)?, unit(b)?);
-    table(py, t.into_iter().map(|t| Quaternion::slerp(a, b, t).to_array()).collect::<Vec<Quat>>())
 }
 
 /// Attitude, velocity and position: columns w, x, y, z, vx, vy, vz, px, py, pz.

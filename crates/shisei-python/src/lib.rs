@@ -12,6 +12,7 @@ mod estimator;
 mod filters;
 mod fuse;
 mod measure;
+mod rotations;
 mod sheet;
 mod threads;
 
@@ -26,11 +27,17 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(filters::run_filter, module)?)?;
     module.add_function(wrap_pyfunction!(filters::run_mahony_many, module)?)?;
     module.add_function(wrap_pyfunction!(filters::orient, module)?)?;
-    module.add_function(wrap_pyfunction!(filters::slerp, module)?)?;
-    module.add_function(wrap_pyfunction!(filters::multiply, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::slerp, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::multiply, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::rotate, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::to_matrix, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::from_matrix, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::to_rotation_vector, module)?)?;
     module.add_function(wrap_pyfunction!(filters::dead_reckon, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::six_face, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::apply, module)?)?;
+    module.add_function(wrap_pyfunction!(calibration::check_calibration, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::doubts, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::multi_pose, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::known_turns, module)?)?;
     module.add_function(wrap_pyfunction!(measure::mean_rate, module)?)?;

@@ -1,6 +1,6 @@
 //! The worksheet functions.
 
-use crate::errors::exception;
+use crate::errors::sheet_exception;
 use numpy::{PyArray1, PyArrayMethods, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;
@@ -43,7 +43,7 @@ pub fn call<'py>(
     given: Vec<Option<Given<'py>>>,
 ) -> PyResult<Bound<'py, PyAny>> {
     let function = FUNCTIONS.get(index).ok_or_else(|| PyIndexError::new_err(index))?;
-    let refuse = |error: Error| exception(function.name, error);
+    let refuse = |error: Error| sheet_exception(function.name, error);
     let mut inputs = Vec::with_capacity(given.len());
     for argument in &given {
         inputs.push(match argument {

@@ -72,7 +72,7 @@ def test_forward_says_where_the_world_points():
     with pytest.raises(shisei.ConditionError, match="vertical"):
         shisei.estimate(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100, forward="-z")
     with pytest.raises(ValueError, match="forward"):
-        shisei.estimate(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100, forward="z")
+        shisei.estimate(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100, forward="up")
 
 
 def test_live_one_by_one_and_by_stretches_are_the_same_bits():

@@ -57,6 +57,8 @@ pub enum CalibrationError {
     OtherVersion(String),
     /// A number is missing or not finite: where.
     BadNumber(String),
+    /// A matrix that leaves nothing of a direction: which.
+    Singular(String),
 }
 
 impl CalibrationError {
@@ -89,6 +91,16 @@ impl CalibrationError {
             (CalibrationError::OtherVersion(found), Lang::Ja) => {
                 format!(
                     "\"version\" が {found} です。この shisei が読めるのはバージョン {VERSION} です。新しい shisei を使うか、キャリブレーションをやり直してください"
+                )
+            }
+            (CalibrationError::Singular(place), Lang::En) => {
+                format!(
+                    "{place} has no inverse: it would take a direction away; calibrate again or mend the file"
+                )
+            }
+            (CalibrationError::Singular(place), Lang::Ja) => {
+                format!(
+                    "{place} に逆行列がなく、方向が失われます。キャリブレーションをやり直すか、ファイルを修正してください"
                 )
             }
             (CalibrationError::BadNumber(place), Lang::En) => {
@@ -212,10 +224,13 @@ fn model(
     let part = document.get(sensor).ok_or_else(|| CalibrationError::BadNumber(sensor.to_owned()))?;
     let bias = part.get(bias_key).and_then(vector).ok_or_else(|| bad(bias_key))?;
     let rows: Vec<Vec3> = match part.get("matrix") {
-        Some(Value::Array(rows)) => rows.iter().filter_map(vector).collect(),
+        Some(Value::Array(rows)) => rows.iter().map(vector).collect::<Option<_>>().unwrap_or_default(),
         _ => Vec::new(),
     };
     let matrix: [Vec3; 3] = rows.try_into().map_err(|_| bad("matrix"))?;
+    if shisei_core::matrix::inverse(&matrix).is_err() {
+        return Err(CalibrationError::Singular(format!("{sensor}.matrix")));
+    }
     Ok(SensorModel { bias, matrix })
 }
 
@@ -224,9 +239,8 @@ fn vector(value: &Value) -> Option<Vec3> {
 }
 
 fn numbers<const N: usize>(value: &Value) -> Option<[f64; N]> {
-    let all: Vec<f64> =
-        value.as_array()?.iter().filter_map(Value::as_f64).filter(|v| v.is_finite()).collect();
-    all.try_into().ok()
+    let finite = |value: &Value| value.as_f64().filter(|v| v.is_finite());
+    value.as_array()?.iter().map(finite).collect::<Option<Vec<f64>>>()?.try_into().ok()
 }
 
 #[cfg(test)]

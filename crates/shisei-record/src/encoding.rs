@@ -61,12 +61,22 @@ pub(crate) fn detect(bytes: &[u8]) -> (Encoding, Cow<'_, [u8]>) {
         let (text, _) = encoding.decode_with_bom_removal(bytes);
         return (Encoding::Utf16, Cow::Owned(text.into_owned().into_bytes()));
     }
+    if ends_lines_with_cr(bytes) {
+        let lines: Vec<u8> = bytes.iter().map(|b| if *b == b'\r' { b'\n' } else { *b }).collect();
+        return (kind(&lines), Cow::Owned(lines));
+    }
     let mut head = bytes.get(..bytes.len().min(1 << 16)).unwrap_or(bytes);
     if head.len() < bytes.len() {
         // Cut at a line end, so that no character is cut in two.
         head = memchr::memrchr(b'\n', head).and_then(|end| head.get(..end)).unwrap_or(head);
     }
     (kind(head), Cow::Borrowed(bytes))
+}
+
+/// True for a text whose lines end as on an old Macintosh ("CSV (Macintosh)" of Excel).
+pub(crate) fn ends_lines_with_cr(bytes: &[u8]) -> bool {
+    let head = bytes.get(..bytes.len().min(1 << 16)).unwrap_or(bytes);
+    memchr::memchr(b'\n', head).is_none() && memchr::memchr(b'\r', head).is_some()
 }
 
 fn kind(head: &[u8]) -> Encoding {
@@ -120,5 +130,6 @@ mod tests {
         check(b"X (m/s\xb2),w (\xb0/s)", Encoding::Windows1252, "X (m/s²),w (°/s)");
         check(b"\xff\xfeA\0x\0,\0", Encoding::Utf16, "Ax,");
         check(b"A\0x\0,\0b\0c\0", Encoding::Utf16, "Ax,bc");
+        check(b"Ax,Ay\r1,2\r", Encoding::Utf8, "Ax,Ay\n1,2\n");
     }
 }

@@ -139,6 +139,11 @@ pub enum Problem {
         /// What is expected, by example.
         expected: &'static str,
     },
+    /// Parquet data in a compression that is not built in.
+    Compression {
+        /// Its name.
+        codec: String,
+    },
     /// A compressed or Parquet file is damaged.
     Damaged {
         /// The kind of file.

@@ -17,6 +17,12 @@ pub(crate) fn list(names: &[String]) -> String {
     out
 }
 
+/// The columns of Motive's tracking CSV.
+fn is_a_take(columns: &[String]) -> bool {
+    columns.iter().any(|name| ["Rigid Body ", "Bone ", "Marker "].iter().any(|kind| name.starts_with(kind)))
+        && columns.iter().any(|name| name.ends_with("Position X"))
+}
+
 pub(crate) fn english(problem: &Problem) -> String {
     match problem {
         Problem::Empty => "the file is empty; expected a recording with a header and rows of numbers; check \
@@ -43,6 +49,9 @@ pub(crate) fn english(problem: &Problem) -> String {
         Problem::NoTable => "no table of numbers was found in the text; expected a header and one sample a \
                              line; check that this is a recording, or name its columns with --columns"
             .into(),
+        Problem::NotARecording { columns } if is_a_take(columns) => {
+            "this is a motion capture take, not the recording of a sensor; give both to shisei fuse".into()
+        }
         Problem::NotARecording { columns } => format!(
             "this table is no recording of a motion sensor: none of its columns ({}) is an acceleration or \
              an angular rate; if some are, name them with --columns",
@@ -64,16 +73,22 @@ pub(crate) fn english(problem: &Problem) -> String {
              this one",
             list(columns)
         ),
-        Problem::GravityRemoved { column, norm_m_s2 } => {
-            let why = match norm_m_s2 {
-                Some(norm) => format!("|a| at rest is {norm:.3} m/s² where about 9.8 is expected"),
-                None => format!("\"{}\" is acceleration without gravity", shorten(column)),
-            };
-            format!(
-                "gravity was removed from the acceleration ({why}); gravity is what tells up from down; \
-                 export the raw accelerometer (with gravity)"
-            )
-        }
+        Problem::GravityRemoved { column, norm_m_s2 } => match norm_m_s2 {
+            Some(norm) if (0.8..=1.25).contains(norm) => format!(
+                "|a| at rest is {norm:.3} m/s² where about 9.8 is expected, which is what readings in g would be; \
+                 name the unit with --units acc=g"
+            ),
+            Some(norm) => format!(
+                "|a| at rest is {norm:.3} m/s² where about 9.8 is expected: gravity was removed from the \
+                 acceleration, or other columns were taken for it; gravity is what tells up from down; export the \
+                 raw accelerometer (with gravity), or name the columns with --columns"
+            ),
+            None => format!(
+                "gravity was removed from the acceleration (\"{}\" is acceleration without gravity); gravity is \
+                 what tells up from down; export the raw accelerometer (with gravity)",
+                shorten(column)
+            ),
+        },
         Problem::RawCounts { norm } => format!(
             "the values are raw counts of the sensor (|a| at rest is about {norm:.0}); say what a count is \
              with --scale acc=COUNTS_PER_G,gyr=COUNTS_PER_DEG_S (for example acc=16384,gyr=131), or give a \
@@ -131,6 +146,10 @@ pub(crate) fn english(problem: &Problem) -> String {
         Problem::Damaged { format, detail } => {
             format!("the {format} data are damaged or cut off ({detail}); copy the file again")
         }
+        Problem::Compression { codec } => format!(
+            "the Parquet data are compressed with {codec}, which is not read here; write the file again with snappy, \
+             zstd, gzip, lz4 or without compression"
+        ),
         Problem::Unreadable { detail } => format!("it cannot be read ({detail})"),
         Problem::TooLarge { limit } => format!(
             "unpacked, the file is larger than {} MiB; unpack it yourself if it is what you expect, and \
@@ -177,6 +196,9 @@ pub(crate) fn japanese(problem: &Problem) -> String {
                              確認するか、--columns で列を指定してください"
                 .into()
         }
+        Problem::NotARecording { columns } if is_a_take(columns) => {
+            "モーションキャプチャのテイクで、センサの記録ではありません。両方を shisei fuse に指定してください".into()
+        }
         Problem::NotARecording { columns } => format!(
             "この表はモーションセンサの記録ではありません。列 ({}) に加速度も角速度もありません。あるなら \
              --columns で指定してください",
@@ -195,16 +217,22 @@ pub(crate) fn japanese(problem: &Problem) -> String {
         Problem::NoAcc { columns } => {
             format!("列 ({}) に加速度がありません。加速度のファイルを一緒に指定してください", list(columns))
         }
-        Problem::GravityRemoved { column, norm_m_s2 } => {
-            let why = match norm_m_s2 {
-                Some(norm) => format!("静止時の |a| が約 9.8 ではなく {norm:.3} m/s² です"),
-                None => format!("「{}」は重力を除いた加速度です", shorten(column)),
-            };
-            format!(
-                "加速度から重力が取り除かれています ({why})。上下は重力から決まります。重力を含む加速度を\
-                 書き出してください"
-            )
-        }
+        Problem::GravityRemoved { column, norm_m_s2 } => match norm_m_s2 {
+            Some(norm) if (0.8..=1.25).contains(norm) => format!(
+                "静止時の |a| が約 9.8 ではなく {norm:.3} m/s² で、g 単位の値と考えられます。--units acc=g で単位を\
+                 指定してください"
+            ),
+            Some(norm) => format!(
+                "静止時の |a| が約 9.8 ではなく {norm:.3} m/s² です。加速度から重力が除かれているか、別の列が加速度と\
+                 みなされています。上下を決めるには重力が必要です。重力を含む加速度を書き出すか、--columns で列を\
+                 指定してください"
+            ),
+            None => format!(
+                "加速度から重力が除かれています (「{}」は重力を除いた加速度です)。上下を決めるには重力が必要です。\
+                 重力を含む加速度を書き出してください",
+                shorten(column)
+            ),
+        },
         Problem::RawCounts { norm } => format!(
             "値はセンサの生カウントです (静止時の |a| は約 {norm:.0})。--scale \
              acc=1gあたりのカウント,gyr=1deg/sあたりのカウント (例: acc=16384,gyr=131) を指定するか、\
@@ -261,6 +289,10 @@ pub(crate) fn japanese(problem: &Problem) -> String {
                 "{format} のデータが壊れているか途中で切れています ({detail})。もう一度コピーしてください"
             )
         }
+        Problem::Compression { codec } => format!(
+            "Parquet のデータが {codec} で圧縮されており、ここでは読めません。snappy、zstd、gzip、lz4、または無圧縮で\
+             書き出し直してください"
+        ),
         Problem::Unreadable { detail } => format!("読み取れません ({detail})"),
         Problem::TooLarge { limit } => format!(
             "展開すると {} MiB を超えます。想定どおりなら自分で展開し、分割してください",

@@ -39,6 +39,7 @@ pub mod sheet;
 pub mod spresense_stream;
 pub mod stamp;
 mod stream;
+mod suspect;
 mod tile;
 pub mod track;
 pub mod units;
@@ -56,6 +57,7 @@ pub use shisei_core::Lang;
 #[doc(hidden)]
 pub use stream::open_in_pieces;
 pub use stream::{Stream, open_stream};
+pub use suspect::doubts;
 
 /// One file.
 #[derive(Clone, Copy, Debug)]

@@ -71,6 +71,12 @@ impl Meaning {
     }
 }
 
+/// A full-width letter, digit or sign as its ordinary form.
+fn narrow(c: char) -> char {
+    let ascii = (c as u32).wrapping_sub(0xFEE0);
+    if ('！'..='～').contains(&c) { char::from_u32(ascii).unwrap_or(c) } else { c }
+}
+
 /// Splits a name into lower-case words: at signs, at digits, at a lower-to-upper step; bracketed parts apart.
 fn words(name: &str) -> (Vec<String>, Vec<String>) {
     let mut words = Vec::new();
@@ -79,18 +85,18 @@ fn words(name: &str) -> (Vec<String>, Vec<String>) {
     let mut inside: Option<String> = None;
     let mut depth = 0;
     let mut previous = ' ';
-    for c in name.chars() {
+    for c in name.chars().map(narrow) {
         if let Some(text) = inside.as_mut() {
             match c {
-                '(' | '[' | '{' | '（' | '［' => {
+                '(' | '[' | '{' => {
                     depth += 1;
                     text.push(c);
                 }
-                ')' | ']' | '}' | '）' | '］' if depth > 0 => {
+                ')' | ']' | '}' if depth > 0 => {
                     depth -= 1;
                     text.push(c);
                 }
-                ')' | ']' | '}' | '）' | '］' => {
+                ')' | ']' | '}' => {
                     brackets.push(std::mem::take(text));
                     inside = None;
                 }
@@ -99,11 +105,12 @@ fn words(name: &str) -> (Vec<String>, Vec<String>) {
             previous = ' ';
             continue;
         }
-        if matches!(c, '(' | '[' | '{' | '（' | '［') {
+        if matches!(c, '(' | '[' | '{') {
             inside = Some(String::new());
             depth = 0;
         }
-        let joins = c.is_alphabetic() || c == 'ー';
+        // 軸 parts as a blank does: X軸加速度, 加速度X軸.
+        let joins = c != '軸' && (c.is_alphabetic() || c == 'ー');
         let step = c.is_uppercase() && previous.is_lowercase();
         let script = joins && previous.is_alphabetic() && c.is_ascii() != previous.is_ascii();
         let parted = (!joins && !c.is_ascii_digit())
@@ -133,9 +140,9 @@ fn has(list: &str, word: &str) -> bool {
 
 fn axis_of(word: &str) -> Option<u8> {
     match word {
-        "x" | "ｘ" => Some(0),
-        "y" | "ｙ" => Some(1),
-        "z" | "ｚ" => Some(2),
+        "x" => Some(0),
+        "y" => Some(1),
+        "z" => Some(2),
         _ => None,
     }
 }
@@ -177,7 +184,7 @@ pub fn meaning(name: &str, unit_cell: &str) -> Meaning {
     let mut out = Meaning::other();
     let mut index_axis = None;
     for text in &brackets {
-        match text.trim() {
+        match text.trim().trim_end_matches('軸') {
             "0" => index_axis = Some(0),
             "1" => index_axis = Some(1),
             "2" => index_axis = Some(2),
@@ -389,6 +396,12 @@ fn decide(
                 | "時刻"
                 | "時間"
                 | "日時"
+                | "サンプリング時間"
+                | "サンプリング時刻"
+                | "計測時間"
+                | "計測時刻"
+                | "測定時間"
+                | "測定時刻"
                 | "millis"
                 | "micros"
         )

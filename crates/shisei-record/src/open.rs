@@ -10,8 +10,9 @@ use crate::recording::{Channel, Findings, Note, Recording};
 use crate::rows;
 use crate::sheet::{self, Sheet};
 use crate::stamp::{self, Cycle};
-use crate::units::{SECOND, Unit};
-use crate::{Input, merge, settle};
+use crate::units::{self, SECOND, Unit};
+use crate::{Input, merge, settle, suspect};
+use shisei_core::Lang;
 use std::borrow::Cow;
 
 /// Unpacked files larger than this are refused.
@@ -64,6 +65,8 @@ pub struct Inspection {
     pub dialect_name: &'static str,
     /// Encoding and separator of the first text file, for people.
     pub layout: String,
+    /// The same in Japanese.
+    pub layout_ja: String,
     /// Lines before the header of the first text file.
     pub preamble: Vec<String>,
     /// Every column of every file.
@@ -84,8 +87,14 @@ pub fn open(inputs: &[Input<'_>], options: &Options) -> Result<Recording> {
     if parts.is_empty() {
         return Err(Error::of_file("", Problem::Empty));
     }
-    let part = merge::merge(parts)?;
-    settle::settle(part, options)
+    finish(merge::merge(parts)?, options)
+}
+
+/// From one part to the recording.
+pub(crate) fn finish(part: Part, options: &Options) -> Result<Recording> {
+    let mut recording = settle::settle(part, options)?;
+    suspect::look(&mut recording);
+    Ok(recording)
 }
 
 /// Reads one file's bytes.
@@ -117,6 +126,7 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
         dialect: "",
         dialect_name: "",
         layout: String::new(),
+        layout_ja: String::new(),
         preamble: Vec::new(),
         channels: Vec::new(),
         recording: None,
@@ -129,6 +139,7 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
                 out.dialect = whole.id;
                 out.dialect_name = whole.name;
                 whole.layout.clone_into(&mut out.layout);
+                whole.layout_ja.clone_into(&mut out.layout_ja);
             }
             continue;
         }
@@ -146,14 +157,7 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
         if i == 0 {
             out.dialect = dialect.id;
             out.dialect_name = dialect.name;
-            out.layout = if bytes.starts_with(b"PAR1") {
-                "Parquet".to_owned()
-            } else {
-                format!("{}, {}", sheet.encoding.name(), sheet.delimiter.name())
-            };
-            if sheet.decimal == b',' {
-                out.layout.push_str(", decimal comma");
-            }
+            (out.layout, out.layout_ja) = layout(&sheet, bytes.starts_with(b"PAR1"));
             out.preamble.clone_from(&sheet.preamble);
         }
     }
@@ -166,6 +170,29 @@ pub fn inspect(inputs: &[Input<'_>], options: &Options) -> Result<Inspection> {
         Err(error) => out.refusal = Some(error),
     }
     Ok(out)
+}
+
+/// How a table is laid out, in English and in Japanese.
+fn layout(sheet: &Sheet<'_>, parquet: bool) -> (String, String) {
+    if parquet {
+        return ("Parquet".to_owned(), "Parquet".to_owned());
+    }
+    let (encoding, delimiter) = (sheet.encoding.name(), sheet.delimiter);
+    let comma = sheet.decimal == b',';
+    (
+        format!("{encoding}, {}{}", delimiter.name(), if comma { ", decimal comma" } else { "" }),
+        format!("{encoding}、{}{}", delimiter.name_ja(), if comma { "、小数点はコンマ" } else { "" }),
+    )
+}
+
+impl Inspection {
+    /// What the first file is and how it is laid out, for people.
+    pub fn format(&self, lang: Lang) -> String {
+        match lang {
+            Lang::En => format!("{} ({})", self.dialect_name, self.layout),
+            Lang::Ja => format!("{} ({})", dialect::name_ja(self.dialect, self.dialect_name), self.layout_ja),
+        }
+    }
 }
 
 /// Unpacks gzip; tells known binary formats by their first bytes.
@@ -523,6 +550,9 @@ fn unwrap_counter(counts: &mut [f64], cycle: f64, findings: &mut Findings) {
     }
 }
 
+/// Steps in seconds are longer: no motion sensor gives more than 50,000 samples a second.
+const LEAST_STEP_S: f64 = 2e-5;
+
 /// The unit of a time column without one, from its start and its usual step; `None` for a mere counter.
 fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
     use crate::units::{MICROSECOND, MILLISECOND, NANOSECOND};
@@ -538,6 +568,10 @@ fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
         }
     }
     let step = clock::usual_step(raw);
+    // A spreadsheet's date: days since 1900, with the time of day behind the point.
+    if (20_000.0..80_000.0).contains(&origin) && 0.0 < step && step < LEAST_STEP_S {
+        return Some((units::DAY, "a spreadsheet's dates are days"));
+    }
     // A count that rises by one: sample numbers, unless it also skips as milliseconds do.
     let whole = raw.iter().take(2000).all(|v| *v == v.trunc());
     let ones = raw.windows(2).take(2000).filter(|w| w[1] - w[0] == 1.0).count();

@@ -10,6 +10,7 @@ use bytes::Bytes;
 use parquet::basic::{LogicalType, TimeUnit, Type};
 use parquet::column::reader::{ColumnReader, ColumnReaderImpl, get_column_reader};
 use parquet::data_type::{ByteArray, DataType};
+use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -36,6 +37,13 @@ fn damaged(name: &str, detail: &str) -> Error {
 fn guarded<T>(name: &str, work: impl FnOnce() -> parquet::errors::Result<T>) -> Result<T> {
     match catch_unwind(AssertUnwindSafe(work)) {
         Ok(Ok(value)) => Ok(value),
+        // A codec that is not built in: the file is whole.
+        Ok(Err(ParquetError::General(why))) if why.contains("Disabled feature") => {
+            let codec =
+                ["brotli", "lzo", "lz4", "gzip", "zstd", "snappy"].into_iter().find(|c| why.contains(c));
+            let format = codec.unwrap_or("another codec").to_owned();
+            Err(Error::of_file(name, Problem::Compression { codec: format }))
+        }
         Ok(Err(error)) => Err(damaged(name, &error.to_string())),
         Err(_) => Err(damaged(name, "its decoder stopped")),
     }
@@ -82,7 +90,7 @@ impl Values {
             Values::Integers(v) => {
                 v.get(row).copied().flatten().map_or(f64::NAN, |v| v.saturating_sub(origin) as f64)
             }
-            Values::Texts(_) => f64::NAN,
+            Values::Texts(v) => v.get(row).and_then(|text| text.trim().parse().ok()).unwrap_or(f64::NAN),
         }
     }
 }
@@ -158,8 +166,9 @@ impl File {
                         .map_or(f64::NAN, |s| s.ns.saturating_sub(origin) as f64 / 1e9),
                     _ => values.number(row, origin),
                 };
-                if !value.is_finite() && slot != body::TEMP {
-                    bad = Some((*index, value));
+                if !value.is_finite() && slot != body::TEMP && bad.is_none() {
+                    let text = matches!(values, Values::Texts(_)).then(|| values.text(row));
+                    bad = Some((*index, value, text.filter(|text| !text.trim().is_empty())));
                 }
                 if let Some(place) = row_values.get_mut(slot) {
                     *place = value;
@@ -173,11 +182,11 @@ impl File {
                     }
                 }
                 Some(_) if wanted.skip_bad => out.skipped += 1,
-                Some((index, value)) => {
-                    let problem = if value.is_nan() {
-                        Problem::Blank
-                    } else {
-                        Problem::NotFinite { text: value.to_string() }
+                Some((index, value, text)) => {
+                    let problem = match text {
+                        Some(text) => Problem::NotANumber { text: shorten(&text) },
+                        None if value.is_nan() => Problem::Blank,
+                        None => Problem::NotFinite { text: value.to_string() },
                     };
                     let schema = self.reader.metadata().file_metadata().schema_descr();
                     let title = schema.columns().get(index).map(|c| c.path().string()).unwrap_or_default();

@@ -36,6 +36,18 @@ impl Delimiter {
             Delimiter::Blanks => "space",
         }
     }
+
+    /// Its name in Japanese.
+    pub fn name_ja(self) -> &'static str {
+        match self {
+            Delimiter::Byte(b',') => "コンマ区切り",
+            Delimiter::Byte(b';') => "セミコロン区切り",
+            Delimiter::Byte(b'\t') => "タブ区切り",
+            Delimiter::Byte(b'|') => "縦線区切り",
+            Delimiter::Byte(_) => "その他の区切り",
+            Delimiter::Blanks => "空白区切り",
+        }
+    }
 }
 
 /// A text table, understood down to its cells but not to their meaning.

@@ -6,7 +6,7 @@ use crate::error::{Error, Problem, Result};
 use crate::options::Options;
 use crate::recording::Recording;
 use crate::sheet::{self, LINE_LIMIT};
-use crate::{Input, body, dialect, open, settle};
+use crate::{Input, body, dialect, open};
 use std::io::Read;
 
 /// What is looked at to find a text's shape: the shape is told from lines that begin in the first `LINE_LIMIT`
@@ -72,14 +72,16 @@ fn open_by(stream: Stream<'_>, options: &Options, pieces: Option<Pieces>) -> Res
     let blocks = Blocks::stream(rows, length, pieces.unwrap_or_default());
     let part =
         open::table_part(&sheet, options, false, |sheet, wanted| body::read_blocks(sheet, wanted, blocks))?;
-    settle::settle(part, options)
+    open::finish(part, options)
 }
 
-/// Text that is neither packed, nor a dialect of its own, nor in an encoding that is converted whole.
+/// Text that is neither packed, nor a dialect of its own, nor converted whole for its encoding or its line
+/// ends.
 fn is_plain_text(head: &[u8]) -> bool {
     !head.starts_with(b"\x1F\x8B")
         && !head.starts_with(b"PAR1")
         && dialect::whole_file(head).is_none()
+        && !crate::encoding::ends_lines_with_cr(head)
         && crate::encoding::detect(head).0 != Encoding::Utf16
 }
 

@@ -28,6 +28,8 @@ pub(crate) const MILLI_G: Unit = Unit::Acceleration(G / 1000.0, "mg");
 pub(crate) const RAD_S: Unit = Unit::AngularRate(1.0, "rad/s");
 pub(crate) const DEG_S: Unit = Unit::AngularRate(RAD_PER_DEG, "deg/s");
 pub(crate) const SECOND: Unit = Unit::Time(1.0, "s");
+/// A spreadsheet's dates are days.
+pub(crate) const DAY: Unit = Unit::Time(86_400.0, "days");
 pub(crate) const MILLISECOND: Unit = Unit::Time(1e-3, "ms");
 pub(crate) const MICROSECOND: Unit = Unit::Time(1e-6, "µs");
 pub(crate) const NANOSECOND: Unit = Unit::Time(1e-9, "ns");
@@ -105,6 +107,7 @@ impl Unit {
             "ms" | "msec" | "msecs" | "millis" | "millisecond" | "milliseconds" | "ミリ秒" => MILLISECOND,
             "us" | "usec" | "usecs" | "micros" | "microsecond" | "microseconds" => MICROSECOND,
             "ns" | "nsec" | "nsecs" | "nanos" | "nanosecond" | "nanoseconds" => NANOSECOND,
+            "day" | "days" | "日" => DAY,
             "min" | "minutes" => Unit::Time(60.0, "min"),
             "c" | "degc" | "celsius" | "degcelsius" | "degreec" | "degreescelsius" => Unit::Celsius,
             "count" | "counts" | "lsb" | "lsbs" | "raw" | "adc" | "adu" | "digit" | "digits" | "au"

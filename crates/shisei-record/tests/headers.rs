@@ -523,3 +523,24 @@ fn columns_are_listed_even_where_nothing_fits() {
     assert_eq!(seen.channels.len(), 3);
     assert!(seen.recording.is_none() && seen.refusal.is_some());
 }
+
+#[test]
+fn japanese_axes_before_the_quantity_and_full_width_letters() {
+    for (x, sensor, time) in [
+        ("X軸", "加速度", "計測時間"),
+        ("Ｘ軸", "加速度", "サンプリング時間"),
+        ("X", "加速度センサー", "時刻"),
+    ] {
+        let axis = |of: &str, to: char| of.replace(['X', 'Ｘ'], &to.to_string());
+        let rate = if sensor == "加速度" { "角速度" } else { "ジャイロセンサー" };
+        let names: Vec<String> = ['x', 'Y', 'Ｚ']
+            .into_iter()
+            .map(|to| axis(x, to) + sensor)
+            .chain(['x', 'Y', 'Ｚ'].into_iter().map(|to| format!("{rate}（{}）", axis(x, to))))
+            .collect();
+        let cells: Vec<(&str, &str)> = std::iter::once((time, "s"))
+            .chain(names.iter().map(String::as_str).zip(["0", "0", "M", "0", "0", "0"]))
+            .collect();
+        check(&cells, [2, 3, 4, 5, 6, 7], 9.8, None);
+    }
+}

@@ -80,6 +80,30 @@ mod parquet {
         }
     }
 
+    fn fixture(name: &str) -> Vec<u8> {
+        let folder = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/parquet");
+        std::fs::read(folder.join(name)).unwrap()
+    }
+
+    #[test]
+    fn another_compression_is_no_damage() {
+        let bytes = fixture("brotli.parquet");
+        let error = open(&[Input { name: "b.parquet", bytes: &bytes }], &Options::default()).unwrap_err();
+        assert_eq!(error.problem, Problem::Compression { codec: "brotli".into() });
+        for lang in [shisei_record::Lang::En, shisei_record::Lang::Ja] {
+            assert!(error.sentence(lang).contains("brotli"), "{}", error.sentence(lang));
+        }
+    }
+
+    #[test]
+    fn numbers_as_text_are_numbers() {
+        let bytes = fixture("text.parquet");
+        let recording = open(&[Input { name: "b.parquet", bytes: &bytes }], &Options::default()).unwrap();
+        assert_eq!(recording.len(), 60);
+        assert_eq!(recording.acc_m_s2[0], [0.1, 0.2, 9.8]);
+        assert_eq!(recording.gyro_rad_s[0], [0.01, 0.02, 0.03]);
+    }
+
     #[test]
     fn polars_files_open() {
         let root = std::env::var_os("SHISEI_DATA").map_or_else(

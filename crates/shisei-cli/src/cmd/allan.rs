@@ -6,6 +6,9 @@ use std::path::PathBuf;
 use serde_json::json;
 use shisei_core::Lang;
 use shisei_core::allan::{self, Analysis};
+use shisei_core::filter::Dt;
+use shisei_core::rest::{self, RestSettings};
+use shisei_record::{Note, Recording};
 use shisei_report::figure::{Figure, Item};
 use shisei_report::page::{Block, Page};
 use shisei_report::plot::{Axis, Scale, Tone};
@@ -14,6 +17,7 @@ use crate::args::Allan;
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::summary;
 
 /// An axis: name, unit of its rate, its analysis.
 struct Channel {
@@ -31,11 +35,11 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.allan.csv")));
     let report = args.report.or(format!("{stem}.allan.html"));
     let writer = Writer::new(args.force, lang, &args.files);
-    writer.check(&output, Kind::Table)?;
-    if let Some(report) = &report {
-        writer.check(report, Kind::Html)?;
-    }
-    let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    let html = report.as_deref().map(|report| (report, Kind::Html));
+    writer.check_all(&[(output.as_path(), Kind::Table)].into_iter().chain(html).collect::<Vec<_>>())?;
+    let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    let moved = moved(&recording);
+    recording.warnings.extend(moved);
     let shown = source.shown();
     let found = &recording.findings;
     // the deviation is that of evenly spaced samples; gaps would join what does not belong together
@@ -69,17 +73,33 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     }
     writer.write(&output, Kind::Table, |out| out.write_all(table(&channels).as_bytes()))?;
     if let Some(path) = &report {
-        let page = page(&channels, &shown, recording.findings.duration_s, lang);
+        let page = page(&channels, &shown, &recording, lang);
         writer.write(path, Kind::Html, |out| out.write_all(page.as_bytes()))?;
     }
     if args.json && !is_stdout(&output) {
         println!("{}", document(&channels));
     }
     eprint!("{}", text(&channels, lang));
+    eprint!("{}", summary::of_notes(&recording, lang));
     for path in [Some(&output), report.as_ref()].into_iter().flatten().filter(|p| !is_stdout(p)) {
         eprintln!("→ {}", path.display());
     }
     Ok(())
+}
+
+/// A doubt where the sensor was at rest for less than half of the time.
+fn moved(recording: &Recording) -> Option<Note> {
+    let dt = Dt::PerSample(&recording.dt_s);
+    let rests = rest::find_rests(&recording.acc_m_s2, &recording.gyro_rad_s, dt, &RestSettings::default());
+    let still: usize = rests.ok()?.iter().map(ExactSizeIterator::len).sum();
+    let percent = 100 * still / recording.len().max(1);
+    (!recording.counts && percent < 50).then(|| {
+        Note::new(
+            "moved",
+            format!("the sensor was at rest for {percent} % of the time only: these are the numbers of its motion, not of its noise"),
+            format!("センサが静止していたのは全体の {percent} % だけです。これらは雑音ではなく動きの値です"),
+        )
+    })
 }
 
 fn table(channels: &[Channel]) -> String {
@@ -145,7 +165,10 @@ fn rows(channels: &[Channel], lang: Lang) -> Vec<Vec<String>> {
                 format!("{:.5} ± {:.5} {walk_unit}", a.random_walk.value * walk, a.random_walk.sigma * walk),
                 floor_text,
                 format!("{:.2e} ± {:.1e}", a.rate_random_walk.value, a.rate_random_walk.sigma),
-                format!("{:.1} s", a.recommended_s),
+                match a.recommended_s {
+                    short if short < 1.0 => format!("{short:.3} s"),
+                    long => format!("{long:.1} s"),
+                },
             ]
         })
         .collect()
@@ -170,7 +193,9 @@ fn text(channels: &[Channel], lang: Lang) -> String {
     out
 }
 
-fn page(channels: &[Channel], shown: &str, duration_s: f64, lang: Lang) -> String {
+fn page(channels: &[Channel], shown: &str, recording: &Recording, lang: Lang) -> String {
+    let duration_s = recording.findings.duration_s;
+    let warnings = recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
     let mut blocks = vec![Block::Table {
         heading: say(lang, "Noise", "雑音"),
         head: head(lang),
@@ -206,7 +231,7 @@ fn page(channels: &[Channel], shown: &str, duration_s: f64, lang: Lang) -> Strin
         title: say(lang, "Allan deviation", "アラン偏差"),
         sources: vec![shown.to_owned()],
         facts: vec![(say(lang, "Duration", "長さ"), format!("{duration_s:.1} s"))],
-        warnings: Vec::new(),
+        warnings,
         plots: Vec::new(),
         attitude: None,
         blocks,

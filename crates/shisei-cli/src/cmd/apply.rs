@@ -7,6 +7,7 @@ use crate::calibration;
 use crate::fail::{Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::summary;
 use crate::tables::{self, Format};
 
 /// Runs the command.
@@ -19,12 +20,13 @@ pub fn run(args: &Apply, lang: Lang) -> Outcome<()> {
     let writer = Writer::new(args.force, lang, args.files.iter().chain([&args.calibration]));
     let format = Format::of(&args.output);
     let kind = format.kind(Kind::Recording);
-    writer.check(&args.output, kind)?;
+    writer.check_all(&[(&args.output, kind)])?;
     let file = calibration::read(&args.calibration, lang)?;
     let source = Source { paths: args.files.clone() };
     let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     calibration::apply(&file, &mut recording, lang)?;
     writer.write(&args.output, kind, |out| tables::recording(out, format, &recording))?;
+    eprint!("{}", summary::of_notes(&recording, lang));
     if !is_stdout(&args.output) {
         eprintln!(
             "{}",

@@ -14,12 +14,13 @@ use crate::args::{Calibrate, CalibrationMethod};
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
-use crate::summary::padded;
+use crate::summary::{self, padded};
 
 const RAD_PER_DEG: f64 = std::f64::consts::PI / 180.0;
 
 /// Runs the command.
 pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
+    refuse_unused(args, lang)?;
     if args.method != CalibrationMethod::SixFace {
         return super::calibrate_poses::run(args, lang);
     }
@@ -28,15 +29,16 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
     let output =
         args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.calibration.json", source.stem())));
     let writer = Writer::new(args.force, lang, &args.files);
-    writer.check(&output, Kind::Calibration)?;
+    writer.check_all(&[(&output, Kind::Calibration)])?;
     let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    let usual = SixFaceSettings::default();
     let settings = SixFaceSettings {
-        window_s: args.window,
-        step_s: args.step,
-        max_tilt_rad: args.max_tilt * RAD_PER_DEG,
-        variance_max: args.var_threshold,
+        window_s: args.window.unwrap_or(usual.window_s),
+        step_s: args.step.unwrap_or(usual.step_s),
+        max_tilt_rad: args.max_tilt.unwrap_or(15.0) * RAD_PER_DEG,
+        variance_max: args.var_threshold.unwrap_or(usual.variance_max),
         gravity_m_s2: args.gravity,
-        ..SixFaceSettings::default()
+        ..usual
     };
     let shown = source.shown();
     let core = |error| Failure::core(&shown, error, lang);
@@ -54,10 +56,34 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
         print!("{}", file.to_json());
     }
     eprint!("{}", result_text(&found, lang));
+    eprint!("{}", summary::of_notes(&recording, lang));
     if !is_stdout(&output) {
         eprintln!("→ {}", output.display());
     }
     Ok(())
+}
+
+/// An option that the method does not use would be believed to have done something.
+fn refuse_unused(args: &Calibrate, lang: Lang) -> Outcome<()> {
+    let six_face = args.method == CalibrationMethod::SixFace;
+    let unused = [
+        ("--turns", args.turns.is_some() && args.method != CalibrationMethod::GyroTurns),
+        ("--window", args.window.is_some() && !six_face),
+        ("--step", args.step.is_some() && !six_face),
+        ("--max-tilt", args.max_tilt.is_some() && !six_face),
+        ("--var-threshold", args.var_threshold.is_some() && !six_face),
+    ];
+    let Some((name, _)) = unused.into_iter().find(|(_, unused)| *unused) else { return Ok(()) };
+    let method = match args.method {
+        CalibrationMethod::SixFace => "six-face",
+        CalibrationMethod::MultiPose => "multi-pose",
+        CalibrationMethod::GyroTurns => "gyro-turns",
+    };
+    Err(Failure::input(say(
+        lang,
+        format!("{name} has no meaning for --method {method}; leave it out or choose another method"),
+        format!("{name} は --method {method} では使えません。外すか、別の方法を選んでください"),
+    )))
 }
 
 fn time_of(recording: &Recording, row: usize) -> f64 {

@@ -20,6 +20,7 @@ use crate::args::{Calibrate, CalibrationMethod};
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::summary;
 
 /// A calibration with what is told about it.
 struct Found {
@@ -39,10 +40,8 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.calibration.json")));
     let report = args.report.or(format!("{stem}.calibration.html"));
     let writer = Writer::new(args.force, lang, &args.files);
-    writer.check(&output, Kind::Calibration)?;
-    if let Some(report) = &report {
-        writer.check(report, Kind::Html)?;
-    }
+    let html = report.as_deref().map(|report| (report, Kind::Html));
+    writer.check_all(&[(output.as_path(), Kind::Calibration)].into_iter().chain(html).collect::<Vec<_>>())?;
     let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     let shown = source.shown();
     let core = |error| refused(&shown, error, args, lang);
@@ -56,6 +55,7 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
     if args.json && !is_stdout(&output) {
         print!("{}", found.file.to_json());
     }
+    eprint!("{}", summary::of_notes(&recording, lang));
     for line in found.lines.iter().chain(&found.warnings) {
         eprintln!("  {line}");
     }
@@ -65,7 +65,12 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
             title: say(lang, "Calibration", "キャリブレーション"),
             sources: vec![shown.clone()],
             facts: Vec::new(),
-            warnings: found.warnings,
+            warnings: recording
+                .warnings
+                .iter()
+                .map(|note| note.sentence(lang).to_owned())
+                .chain(found.warnings)
+                .collect(),
             plots: Vec::new(),
             attitude: None,
             blocks: found
@@ -85,6 +90,17 @@ pub fn run(args: &Calibrate, lang: Lang) -> Outcome<()> {
 }
 
 fn refused(shown: &str, error: Error, args: &Calibrate, lang: Lang) -> Failure {
+    if let (Some(_), Error::FaceMissing { face }) = (args.turns, error) {
+        return Failure::condition(say(
+            lang,
+            format!(
+                "{shown}: no rest with {face} up was found; needed are rests on all six faces and one turn about each axis between two rests on the same face"
+            ),
+            format!(
+                "{shown}：{face} を上にした静止が見つかりません。6 面の静止と、同じ面での静止の間の各軸 1 回の回転が必要です"
+            ),
+        ));
+    }
     let mut failure = Failure::core(shown, error, lang);
     let hint = match (args.turns.is_some(), error) {
         (true, _) => say(

@@ -6,6 +6,7 @@ use crate::args::Convert;
 use crate::fail::{Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::summary;
 use crate::tables::{self, Format};
 
 /// Runs the command.
@@ -17,16 +18,11 @@ pub fn run(args: &Convert, lang: Lang) -> Outcome<()> {
     let writer = Writer::new(args.force, lang, &args.files);
     let format = Format::of(&args.output);
     let kind = format.kind(Kind::Recording);
-    writer.check(&args.output, kind)?;
+    writer.check_all(&[(&args.output, kind)])?;
     let source = Source { paths: args.files.clone() };
     let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     writer.write(&args.output, kind, |out| tables::recording(out, format, &recording))?;
-    for note in &recording.assumptions {
-        eprintln!("  {} {}", say(lang, "assumed:", "仮定："), note.sentence(lang));
-    }
-    for note in &recording.warnings {
-        eprintln!("  {} {}", say(lang, "warning:", "注意："), note.sentence(lang));
-    }
+    eprint!("{}", summary::of_notes(&recording, lang));
     if !is_stdout(&args.output) {
         let rows = recording.len();
         eprintln!("{}", say(lang, format!("{rows} samples"), format!("{rows} サンプル")));

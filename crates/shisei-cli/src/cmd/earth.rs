@@ -12,9 +12,10 @@ use shisei_core::earth::fits::Measured;
 
 use super::{earth_serial, earth_text};
 use crate::args::Earth;
-use crate::fail::{Failure, Outcome, say};
+use crate::fail::{Exit, Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer};
+use crate::summary;
 
 /// Everything that is told.
 pub struct Found {
@@ -36,11 +37,18 @@ pub struct Found {
 
 /// Runs the command.
 pub fn run(args: &Earth, lang: Lang) -> Outcome<()> {
+    if let Some(latitude) = args.latitude.filter(|latitude| !(-90.0 < *latitude && *latitude < 90.0)) {
+        return Err(Failure::input(say(
+            lang,
+            format!("--latitude {latitude}: give degrees between -90 and 90, north positive"),
+            format!("--latitude {latitude}：-90 から 90 の間の度で指定してください (北緯が正)"),
+        )));
+    }
     let latitude = args.latitude.map(f64::to_radians);
     let report = args.report.or("earth.html");
     let writer = Writer::new(args.force, lang, &args.files);
     if let Some(report) = &report {
-        writer.check(report, Kind::Html)?;
+        writer.check_all(&[(report, Kind::Html)])?;
     }
     let weights = if args.weights == "article" { Weights::AsMeasured } else { Weights::Capped };
     let (names, mut directions, summaries) = if let Some(port) = &args.serial {
@@ -84,6 +92,9 @@ pub fn run(args: &Earth, lang: Lang) -> Outcome<()> {
 
 fn refused(shown: &str, error: shisei_core::Error, lang: Lang) -> Failure {
     let mut failure = Failure::core(shown, error, lang);
+    if failure.exit != Exit::Condition {
+        return failure;
+    }
     failure.sentence.push_str(&say(
         lang,
         "; turn the sensor to three or more different headings, better eight, some of them upside down",
@@ -118,12 +129,16 @@ fn recordings(args: &Earth, weights: Weights, lang: Lang) -> Outcome<Measurement
             )));
         }
         let temperature = recording.temp_c.as_deref().unwrap_or(&[]);
-        let summary =
+        let averaged =
             summarise(&recording.gyro_rad_s, &recording.acc_m_s2, temperature, &recording.dt_s, weights)
                 .map_err(|e| Failure::core(&source.shown(), e, lang))?;
+        let notes = summary::of_notes(&recording, lang);
+        if !notes.is_empty() {
+            eprint!("{}\n{notes}", source.shown());
+        }
         names.push(source.stem());
-        directions.push(summary.direction);
-        summaries.push(summary);
+        directions.push(averaged.direction);
+        summaries.push(averaged);
     }
     Ok((names, directions, summaries))
 }

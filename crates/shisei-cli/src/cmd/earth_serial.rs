@@ -26,7 +26,7 @@ type Measurement = (
 /// Measures all directions; each begins when the user presses Enter.
 pub fn measure(args: &Earth, port: &str, writer: &Writer, lang: Lang) -> Outcome<Measurement> {
     let path = directions_path(args);
-    writer.check(&path, Kind::Table)?;
+    writer.check_all(&[(&path, Kind::Table)])?;
     if !(3..=100).contains(&args.directions) || !(1..=3600).contains(&args.seconds) {
         return Err(Failure::input(say(
             lang,

@@ -10,6 +10,7 @@ use shisei_report::plot::{Axis, Tone};
 
 use super::earth::Found;
 use crate::fail::say;
+use crate::summary::{columns_of, padded};
 
 /// °/h in one rad/s.
 const DEG_H: f64 = 180.0 / std::f64::consts::PI * 3600.0;
@@ -195,6 +196,15 @@ fn facts(found: &Found, lang: Lang) -> Vec<(String, String)> {
     facts
 }
 
+fn direction_head(lang: Lang) -> Vec<String> {
+    match lang {
+        Lang::En => ["direction", "x", "y", "z", "heading", "span, gaps"],
+        Lang::Ja => ["方向", "x", "y", "z", "方位", "長さ、欠落数"],
+    }
+    .map(str::to_owned)
+    .to_vec()
+}
+
 fn direction_rows(found: &Found) -> Vec<Vec<String>> {
     found
         .directions
@@ -271,9 +281,15 @@ fn drift_lines(found: &Found, lang: Lang) -> Vec<String> {
 
 /// Lines for the terminal.
 pub fn lines(found: &Found, lang: Lang) -> Vec<String> {
-    let mut out = Vec::new();
-    for row in direction_rows(found) {
-        out.push(format!("  {}", row.join("  ")));
+    let mut out = vec![say(lang, "mean rates, °/h:", "平均角速度 [°/h]:")];
+    let mut table = vec![direction_head(lang)];
+    table.extend(direction_rows(found));
+    let columns = if found.summaries.is_empty() { 5 } else { 6 };
+    let widths: Vec<usize> =
+        (0..columns).map(|k| table.iter().map(|row| columns_of(&row[k])).max().unwrap_or(0) + 2).collect();
+    for row in &table {
+        let cells: String = row.iter().zip(&widths).map(|(cell, width)| padded(cell, *width)).collect();
+        out.push(format!("  {}", cells.trim_end()));
     }
     for row in rows(found, lang) {
         out.push(format!(
@@ -295,12 +311,7 @@ pub fn page(found: &Found, shown: &str, lang: Lang) -> String {
     let mut blocks = figures(found, lang);
     blocks.push(Block::Table {
         heading: say(lang, "Directions (°/h)", "各方向 (°/h)"),
-        head: match lang {
-            Lang::En => ["direction", "x", "y", "z", "heading", "span, gaps"],
-            Lang::Ja => ["方向", "x", "y", "z", "方位", "長さ、欠落数"],
-        }
-        .map(str::to_owned)
-        .to_vec(),
+        head: direction_head(lang),
         rows: direction_rows(found),
     });
     blocks.push(Block::Table {

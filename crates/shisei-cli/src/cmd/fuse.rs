@@ -69,15 +69,13 @@ pub fn run(args: &Fuse, lang: Lang) -> Outcome<()> {
     let report = args.report.or(format!("{stem}.fused.html"));
     let inputs = args.imu.iter().chain([&args.optical]).chain(&args.pulses);
     let writer = Writer::new(args.force, lang, inputs);
+    let mut results = Vec::new();
     for path in &outputs {
-        writer.check(path, kind(path, lang)?)?;
+        results.push((path.as_path(), kind(path, lang)?));
     }
-    if let Some(path) = &args.motive {
-        writer.check(path, Kind::Motive)?;
-    }
-    if let Some(path) = &report {
-        writer.check(path, Kind::Html)?;
-    }
+    results.extend(args.motive.as_deref().map(|path| (path, Kind::Motive)));
+    results.extend(report.as_deref().map(|path| (path, Kind::Html)));
+    writer.check_all(&results)?;
     let mut done = fused(args, lang)?;
     let mut staged = Vec::new();
     for path in &outputs {

@@ -12,7 +12,7 @@ use crate::args::Info;
 use crate::fail::{Exit, Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output;
-use crate::summary::padded;
+use crate::summary::{self, padded};
 
 /// Runs the command. Several files are looked at one by one, save an accelerometer file and a gyroscope file
 /// that belong together.
@@ -169,7 +169,7 @@ fn as_text(source: &Source, inspection: &Inspection, lang: Lang) -> String {
     let mut line = |en: &str, ja: &str, value: String| {
         let _ = writeln!(text, "  {}{value}", padded(&say(lang, en, ja), 16));
     };
-    line("Format", "形式", format!("{} ({})", inspection.dialect_name, inspection.layout));
+    line("Format", "形式", inspection.format(lang));
     if let Some(recording) = &inspection.recording {
         let f = &recording.findings;
         line("Samples", "サンプル", recording.len().to_string());
@@ -239,12 +239,7 @@ fn as_text(source: &Source, inspection: &Inspection, lang: Lang) -> String {
         );
     }
     if let Some(recording) = &inspection.recording {
-        for note in &recording.assumptions {
-            let _ = writeln!(text, "  {} {}", say(lang, "assumed:", "仮定："), note.sentence(lang));
-        }
-        for note in &recording.warnings {
-            let _ = writeln!(text, "  {} {}", say(lang, "warning:", "注意："), note.sentence(lang));
-        }
+        text += &summary::of_notes(recording, lang);
     }
     if let Some(error) = &inspection.refusal {
         let _ = writeln!(

@@ -23,6 +23,7 @@ use crate::calibration;
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::summary;
 
 /// How well a known end is known, m.
 const END_SIGMA_M: f64 = 0.005;
@@ -35,10 +36,9 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
     let output = args.output.clone().unwrap_or_else(|| PathBuf::from(format!("{stem}.motion.csv")));
     let report = args.report.or(format!("{stem}.motion.html"));
     let writer = Writer::new(args.force, lang, args.files.iter().chain(args.calibration.as_ref()));
-    writer.check(&output, Kind::Motion)?;
-    if let Some(report) = &report {
-        writer.check(report, Kind::Html)?;
-    }
+    let html = report.as_deref().map(|report| (report, Kind::Html));
+    writer.check_all(&[(output.as_path(), Kind::Motion)].into_iter().chain(html).collect::<Vec<_>>())?;
+    refuse_unused(args, lang)?;
     let end = end_point(args, lang)?;
     let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     if let Some(path) = &args.calibration {
@@ -46,9 +46,10 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
         calibration::apply(&file, &mut recording, lang)?;
     }
     let track = track(args, &recording, end).map_err(|e| Failure::core(&source.shown(), e, lang))?;
+    let warnings = doubts(args, &recording, &track, lang);
     writer.write(&output, Kind::Motion, |out| write_csv(out, &recording, &track))?;
     if let Some(path) = &report {
-        let page = page(args, &recording, &track, &source.shown(), lang);
+        let page = page(args, &recording, &track, warnings.clone(), &source.shown(), lang);
         writer.write(path, Kind::Html, |out| out.write_all(page.as_bytes()))?;
     }
     let last = track.position_m.len() - 1;
@@ -90,6 +91,8 @@ pub fn run(args: &Motion, lang: Lang) -> Outcome<()> {
             ),
         )
     );
+    let said = warnings.iter().map(String::as_str);
+    eprint!("{}", summary::notes(&recording.assumptions, said, lang));
     for path in [Some(&output), report.as_ref()].into_iter().flatten().filter(|p| !is_stdout(p)) {
         eprintln!("→ {}", path.display());
     }
@@ -102,6 +105,23 @@ fn mode_name(mode: MotionMode) -> &'static str {
         MotionMode::Foot => "foot",
         MotionMode::Naive => "naive",
     }
+}
+
+/// An option that the mode does not use would be believed to have done something.
+fn refuse_unused(args: &Motion, lang: Lang) -> Outcome<()> {
+    let naive = args.mode == MotionMode::Naive;
+    let unused = [
+        ("--scheme", args.scheme.is_some() && !naive),
+        ("--end", args.end.is_some() && naive),
+        ("--closed", args.closed && naive),
+    ];
+    let Some((name, _)) = unused.into_iter().find(|(_, unused)| *unused) else { return Ok(()) };
+    let mode = mode_name(args.mode);
+    Err(Failure::input(say(
+        lang,
+        format!("{name} has no meaning for --mode {mode}; leave it out or choose another mode"),
+        format!("{name} は --mode {mode} では使えません。外すか、別のモードを選んでください"),
+    )))
 }
 
 fn end_point(args: &Motion, lang: Lang) -> Outcome<Option<(Vec3, f64)>> {
@@ -164,7 +184,7 @@ fn naive(args: &Motion, recording: &Recording, limit_s: f64) -> Result<Track, Er
         pitch_rad: math::atan2(-up[0], math::hypot(up[1], up[2])),
         roll_rad: math::atan2(up[1], up[2]),
     });
-    let scheme = match args.scheme {
+    let scheme = match args.scheme.unwrap_or(SchemeName::SemiImplicit) {
         SchemeName::SemiImplicit => Scheme::SemiImplicit,
         SchemeName::Euler => Scheme::Euler,
         SchemeName::Trapezoid => Scheme::Trapezoid,
@@ -205,7 +225,35 @@ fn write_csv(out: &mut dyn Write, recording: &Recording, track: &Track) -> io::R
     out.write_all(&line)
 }
 
-fn page(args: &Motion, recording: &Recording, track: &Track, shown: &str, lang: Lang) -> String {
+/// What to know before trusting the result, of the recording and of the motion.
+fn doubts(args: &Motion, recording: &Recording, track: &Track, lang: Lang) -> Vec<String> {
+    let mut warnings: Vec<String> =
+        recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
+    if args.mode == MotionMode::Naive {
+        warnings.push(say(
+            lang,
+            "Nothing is corrected after the first rest: the error grows with the cube of the time. rest-to-rest is the trustworthy mode.",
+            "最初の静止以降は補正しません。誤差は時間の 3 乗で増えます。信頼できる結果には rest-to-rest を使ってください。",
+        ));
+    }
+    if track.phases.last() == Some(&Phase::Moving) && args.mode != MotionMode::Naive {
+        warnings.push(say(
+            lang,
+            "The recording does not end at rest: the last stretch is not corrected from its far side.",
+            "記録が静止で終わっていません。最後の区間は終端側から補正されていません。",
+        ));
+    }
+    warnings
+}
+
+fn page(
+    args: &Motion,
+    recording: &Recording,
+    track: &Track,
+    warnings: Vec<String>,
+    shown: &str,
+    lang: Lang,
+) -> String {
     let time = &recording.time_s;
     let mut still = Vec::new();
     let mut start = None;
@@ -277,21 +325,6 @@ fn page(args: &Motion, recording: &Recording, track: &Track, shown: &str, lang: 
         }
     };
     let p = track.position_m[last];
-    let mut warnings = Vec::new();
-    if args.mode == MotionMode::Naive {
-        warnings.push(say(
-            lang,
-            "Nothing is corrected after the first rest: the error grows with the cube of the time. rest-to-rest is the trustworthy mode.",
-            "最初の静止以降は補正しません。誤差は時間の 3 乗で増えます。信頼できる結果には rest-to-rest を使ってください。",
-        ));
-    }
-    if track.phases.last() == Some(&Phase::Moving) && args.mode != MotionMode::Naive {
-        warnings.push(say(
-            lang,
-            "The recording does not end at rest: the last stretch is not corrected from its far side.",
-            "記録が静止で終わっていません。最後の区間は終端側から補正されていません。",
-        ));
-    }
     Page {
         lang,
         title: say(lang, "Motion", "運動"),

@@ -146,14 +146,11 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     let refuse = Unopened::File;
     let format = Format::of(&places.csv);
     let kind = format.kind(Kind::Orientation);
-    plan.writer.check(&places.csv, kind).map_err(refuse)?;
-    for (path, kind) in
-        [(&places.html, Kind::Html), (&places.png, Kind::Png), (&places.learnt, Kind::Calibration)]
-    {
-        if let Some(path) = path {
-            plan.writer.check(path, kind).map_err(refuse)?;
-        }
-    }
+    let others = [(&places.html, Kind::Html), (&places.png, Kind::Png), (&places.learnt, Kind::Calibration)];
+    let results: Vec<_> = std::iter::once((places.csv.as_path(), kind))
+        .chain(others.into_iter().filter_map(|(path, kind)| Some((path.as_deref()?, kind))))
+        .collect();
+    plan.writer.check_all(&results).map_err(refuse)?;
     let mut recording = input::open(source, &plan.options, lang)?;
     if let Some(file) = &plan.calibration {
         calibration::apply(file, &mut recording, lang).map_err(refuse)?;
@@ -256,6 +253,14 @@ fn compute<'a>(plan: &Plan, source: &Source, recording: &'a Recording) -> Outcom
 fn warnings(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Vec<String> {
     let lang = plan.lang;
     let mut all: Vec<String> = recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
+    let gravity = plan.args.gravity;
+    if !(9.7..9.9).contains(&gravity) {
+        all.push(say(
+            lang,
+            format!("--gravity {gravity} is not found on the Earth, where it is 9.76 to 9.84 m/s²"),
+            format!("--gravity {gravity} は地球上の値 (9.76〜9.84 m/s²) ではありません"),
+        ));
+    }
     if plan.settings.forward_axis_body.is_none() && heading::is_near_gimbal_lock(orientation.start) {
         all.push(say(
             lang,

@@ -14,3 +14,4 @@ mod run;
 mod takes;
 #[cfg(unix)]
 mod trouble;
+mod unkind;

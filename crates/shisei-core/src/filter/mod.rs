@@ -213,22 +213,10 @@ fn refused_row(rows: &[Vec3], first_row: usize) -> Result<()> {
 
 /// Refused unless finite and greater than zero.
 pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64> {
-    if value.is_nan() || value.is_infinite() {
-        return Err(Error::NotFinite { row: 0 });
-    }
-    if value <= 0.0 {
-        return Err(Error::NotPositive { name, value });
-    }
-    Ok(value)
+    if value > 0.0 && value < f64::INFINITY { Ok(value) } else { Err(Error::NotPositive { name, value }) }
 }
 
 /// Refused unless finite and zero or more.
 pub(crate) fn not_negative(name: &'static str, value: f64) -> Result<f64> {
-    if !value.is_finite() {
-        return Err(Error::NotFinite { row: 0 });
-    }
-    if value < 0.0 {
-        return Err(Error::Negative { name, value });
-    }
-    Ok(value)
+    if (0.0..f64::INFINITY).contains(&value) { Ok(value) } else { Err(Error::Negative { name, value }) }
 }

@@ -55,6 +55,7 @@ from .motion import Track, foot_motion, rest_to_rest
 from .rotations import (
     conjugate,
     from_axis_angle,
+    from_matrix,
     from_ypr,
     initial_attitude,
     multiply,
@@ -62,6 +63,8 @@ from .rotations import (
     relative,
     rotate,
     slerp,
+    to_matrix,
+    to_rotation_vector,
     to_ypr,
 )
 
@@ -71,7 +74,7 @@ __all__ = [
     "Motion", "MultiPoseResult", "OpticalTake",
     "Orientation", "ShapeError", "SixFaceResult", "SphereFit", "Sync", "Track", "__version__", "allan_deviation",
     "complementary", "conjugate", "dead_reckon", "earth_rate", "estimate", "fit_sphere", "foot_motion",
-    "from_axis_angle", "from_ypr", "fuse", "initial_attitude", "integrate_gyro", "known_turns", "mahony", "mahony_adaptive", "many", "mean_rate", "multi_pose",
+    "from_axis_angle", "from_matrix", "from_ypr", "fuse", "initial_attitude", "integrate_gyro", "known_turns", "mahony", "mahony_adaptive", "many", "mean_rate", "multi_pose",
     "multiply", "normalize", "orient", "read_motive", "read_recording", "relative", "rest_to_rest", "rotate", "set_language", "sheet", "six_face",
-    "slerp", "to_ypr",
+    "slerp", "to_matrix", "to_rotation_vector", "to_ypr",
 ]

@@ -9,8 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from ._arrays import Floats, series, steps
+from ._arrays import Floats, say, series, steps
 from ._native import apply as _apply
+from ._native import check_calibration as _check_file
 from ._native import known_turns as _known_turns
 from ._native import multi_pose as _multi_pose
 from ._native import six_face as _six_face
@@ -62,13 +63,11 @@ class Calibration:
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Calibration:
-        """Reads a calibration file; ValueError when it is not one of version 1."""
-        with open(path, encoding="utf-8") as file:
-            document = json.load(file)
-        if not isinstance(document, dict) or document.get("format") != "shisei-calibration":
-            raise ValueError(f"{os.fspath(path)} is not a calibration file: \"format\" must be \"shisei-calibration\"")
-        if document.get("version") != 1:
-            raise ValueError(f"{os.fspath(path)} has version {document.get('version')!r}; this shisei reads version 1")
+        """Reads a calibration file; DomainError when it is not one of version 1, or not whole."""
+        with open(path, "rb") as file:
+            text = file.read()
+        _check_file(os.fspath(path), text)
+        document = json.loads(text.decode("utf-8-sig"))
         acc, gyro = document["accelerometer"], document["gyroscope"]
         other = {k: v for k, v in document.items() if k not in ("accelerometer", "gyroscope")}
         return Calibration(tuple(acc["bias_m_s2"]), acc["matrix"], tuple(gyro["bias_rad_s"]), gyro["matrix"], other)
@@ -204,14 +203,17 @@ def known_turns(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None,
     """
     acc, gyro = series(acc_m_s2, 3, "acc_m_s2"), series(gyro_rad_s, 3, "gyro_rad_s")
     if len(acc) != len(gyro):
-        raise ShapeError(f"acc_m_s2 has {len(acc)} rows and gyro_rad_s {len(gyro)}")
+        raise ShapeError(say(f"acc_m_s2 has {len(acc)} rows and gyro_rad_s {len(gyro)}",
+                             f"acc_m_s2 は {len(acc)} 行、gyro_rad_s は {len(gyro)} 行です。同じ行数にしてください"))
     given = None
     if parts is not None:
         if set(parts) != set(PARTS):
-            raise ShapeError(f"parts must have the keys {', '.join(PARTS)}")
+            raise ShapeError(say(f"parts must have the keys {', '.join(PARTS)}",
+                                 f"parts には {'、'.join(PARTS)} のキーが必要です"))
         given = [(int(parts[name][0]), int(parts[name][1])) for name in PARTS]
         if not all(0 <= start < end <= len(acc) for start, end in given):
-            raise ShapeError(f"every part must be (start, end) with 0 ≤ start < end ≤ {len(acc)}")
+            raise ShapeError(say(f"every part must be (start, end) with 0 ≤ start < end ≤ {len(acc)}",
+                                 f"各部分は 0 ≤ start < end ≤ {len(acc)} の (start, end) でなければなりません"))
     found = _known_turns(acc, gyro, steps(len(acc), rate_hz, None, dt_s), float(turn_rad), signed, gravity_m_s2, given)
     calibration = Calibration(tuple(found["acc_bias"]), found["acc_matrix"], tuple(found["gyro_bias"]),
                               found["gyro_matrix"], {"method": "gyro-turns", "gravity_m_s2": gravity_m_s2})

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import sheet
-from ._arrays import Floats, series, steps, vector
+from ._arrays import Floats, axis, each_step, one_sample, rest_rows, say, series, steps, warn_of_doubts
 from ._native import EstimatorFilter, FixedLagFilter
 from ._native import estimate as _estimate
 from .calibration import Calibration
@@ -27,6 +27,9 @@ Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 def _known(calibration: Calibration | None) -> Any:
     if calibration is None:
         return None
+    if not isinstance(calibration, Calibration):
+        raise TypeError(say("calibration must be a shisei.Calibration; read a file with shisei.Calibration.load(path)",
+                            "calibration には shisei.Calibration を指定してください。ファイルは shisei.Calibration.load(path) で読めます"))
     covariance = calibration.other.get("covariance")
     values = covariance["values"] if covariance and covariance.get("order") == LEARNT_ORDER else None
     c = calibration
@@ -48,17 +51,6 @@ def _after(first_bias: Any, first_matrix: Any, bias: Any, matrix: Any) -> tuple[
     """``matrix (first_matrix (raw − first_bias) − bias)`` as one bias and matrix."""
     total = np.asarray(first_bias, float) + np.linalg.solve(np.asarray(first_matrix, float), np.asarray(bias, float))
     return total.tolist(), (np.asarray(matrix, float) @ np.asarray(first_matrix, float)).tolist()
-
-
-def _forward(forward: Axis | Any) -> list[float] | None:
-    if forward is None:
-        return None
-    if isinstance(forward, str):
-        if len(forward) != 2 or forward[0] not in "+-" or forward[1] not in "xyz":
-            raise ValueError(f"forward is {forward!r}; it must be '+x', '-x', '+y', '-y', '+z', '-z' or three numbers")
-        sign = 1.0 if forward[0] == "+" else -1.0
-        return [sign if axis == forward[1] else 0.0 for axis in "xyz"]
-    return vector(forward, 3, "forward")
 
 
 @dataclass(frozen=True)
@@ -88,7 +80,8 @@ class Estimate:
         """(N, 3) yaw, pitch, roll of the turn since ``start``, in world axes or in the sensor's axes at the start."""
         functions = {"world": sheet.Quats2WorldYprs, "body": sheet.Quats2BodyYprs}
         if relative not in functions:
-            raise ValueError(f"relative is {relative!r}; it must be 'world' or 'body'")
+            raise ValueError(say(f"relative is {relative!r}; it must be 'world' or 'body'",
+                                 f"relative が {relative!r} です。'world' か 'body' にしてください"))
         return functions[relative](self.q_wxyz, self.start)
 
 
@@ -106,12 +99,15 @@ def estimate(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, ti
 
     The GIL is released. Raises ShapeError (wrong shapes, unequal lengths), DomainError (numbers that are not finite,
     steps or gravity not positive) and ConditionError (the forward axis is near the vertical, the given rest is too
-    short).
+    short). Readings in g or deg/s, and values that no sensor gives, bring a UserWarning.
     """
     gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
-    rows = None if rest is None or rest == "auto" else (int(rest[0]), int(rest[1]))
-    found = _estimate(gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), online, rest == "auto", rows, _forward(forward),
-                      gravity_m_s2, _known(calibration))
+    rows = rest_rows(rest, len(gyro))
+    step = steps(len(gyro), rate_hz, time_s, dt_s)
+    found = _estimate(gyro, acc, step, online, isinstance(rest, str), rows, axis(forward, "forward"), gravity_m_s2,
+                      _known(calibration))
+    if calibration is None:
+        warn_of_doubts(gyro, acc, step)
     learnt = _learnt(found["learnt"], calibration, gravity_m_s2)
     q = found["q_wxyz"]
     return Estimate(q, sheet.Quats2Yprs(q), found["sigma_tilt_rad"], found["sigma_heading_rad"], found["rest"],
@@ -177,7 +173,7 @@ class Estimator:
         Never NaN and never an exception for what a sensor reads: readings that are not finite, too large or stuck are
         bridged while the stated uncertainty grows; a sample without a usable step leaves all as it is.
         """
-        return _state(self._filter.update(list(gyro_rad_s), list(acc_m_s2), dt_s))
+        return _state(one_sample(self._filter.update, gyro_rad_s, acc_m_s2, dt_s))
 
     def update_all(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: Any) -> EstimatorStates:
         """A stretch of samples (N, 3), (N, 3); dt_s: one number or (N,). The same bits as one by one; the GIL is released.
@@ -185,8 +181,7 @@ class Estimator:
         Raises ShapeError for wrong shapes or unequal lengths.
         """
         gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
-        step = float(dt_s) if np.ndim(dt_s) == 0 else np.ascontiguousarray(dt_s, dtype=np.float64)
-        found = self._filter.update_all(gyro, acc, step)
+        found = self._filter.update_all(gyro, acc, each_step(dt_s))
         return EstimatorStates(*(found[name] for name in EstimatorStates._fields))
 
     @property
@@ -215,14 +210,13 @@ class FixedLag:
 
     def update(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: float) -> list[EstimatorState]:
         """One sample, as :meth:`Estimator.update`; gives the states that have now waited long enough, often none."""
-        return [_state(found) for found in self._filter.update(list(gyro_rad_s), list(acc_m_s2), dt_s)]
+        return [_state(found) for found in one_sample(self._filter.update, gyro_rad_s, acc_m_s2, dt_s)]
 
     def update_all(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: Any) -> EstimatorStates:
         """A stretch of samples (N, 3), (N, 3); dt_s: one number or (N,). Gives the states that have waited long
         enough by its end: the same bits as one by one; the GIL is released. Raises ShapeError for wrong shapes."""
         gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
-        step = float(dt_s) if np.ndim(dt_s) == 0 else np.ascontiguousarray(dt_s, dtype=np.float64)
-        found = self._filter.update_all(gyro, acc, step)
+        found = self._filter.update_all(gyro, acc, each_step(dt_s))
         return EstimatorStates(*(found[name] for name in EstimatorStates._fields))
 
     def finish(self) -> EstimatorStates:

@@ -5,7 +5,7 @@ from dataclasses import astuple, dataclass
 from typing import Any, Literal
 
 from . import sheet
-from ._arrays import Floats, series, steps, vector
+from ._arrays import Floats, axis, one_sample, rest_rows, say, series, steps, vector, warn_of_doubts
 from ._native import MahonyFilter, run_filter
 from ._native import dead_reckon as _dead_reckon
 from ._native import orient as _orient
@@ -78,7 +78,8 @@ def integrate_gyro(*, gyro_rad_s: Any, rate_hz: float | None = None, time_s: Any
     """Integrates rates (N, 3), rad/s, alone. Returns (N, 4). ``exact`` holds each rate over its step."""
     kinds = {"exact": "gyro", "rk4": "gyro-rk4"}
     if method not in kinds:
-        raise ValueError(f"method is {method!r}; it must be 'exact' or 'rk4'")
+        raise ValueError(say(f"method is {method!r}; it must be 'exact' or 'rk4'",
+                             f"method が {method!r} です。'exact' か 'rk4' にしてください"))
     return _run(kinds[method], [], start, gyro_rad_s, None, rate_hz, time_s, dt_s)
 
 
@@ -93,7 +94,7 @@ class Mahony:
 
         A sample that is not finite leaves the attitude unchanged; a zero acceleration is a step by the gyro alone.
         """
-        w, x, y, z = self._filter.update(list(gyro_rad_s), list(acc_m_s2), dt_s)
+        w, x, y, z = one_sample(self._filter.update, gyro_rad_s, acc_m_s2, dt_s)
         return w, x, y, z
 
     @property
@@ -109,6 +110,11 @@ class Mahony:
         return -x, -y, -z
 
 
+_TAKES: dict[str, tuple[str, ...]] = {
+    "shisei": (), "shisei-online": (), "mahony": ("kp", "ki"), "mahony-adaptive": ("ki", "gain"),
+    "complementary": ("alpha",), "gyro": (), "gyro-rk4": (),
+}
+"""Filters and the settings that they take."""
 Filter = Literal["shisei", "shisei-online", "mahony", "mahony-adaptive", "complementary", "gyro", "gyro-rk4"]
 
 
@@ -134,30 +140,46 @@ class Orientation:
         functions = {"world": sheet.Quats2WorldYprs, "body": sheet.Quats2BodyYprs}
         if relative == "none":
             return sheet.Quats2Yprs(self.world_from_body)
+        if relative not in functions:
+            raise ValueError(say(f"relative is {relative!r}; it must be 'world', 'body' or 'none'",
+                                 f"relative が {relative!r} です。'world'、'body'、'none' のいずれかにしてください"))
         return functions[relative](self.world_from_body, self.start)
 
 
 def orient(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,
            dt_s: float | None = None, filter: Filter = "shisei",
-           kp: float = 0.2, ki: float = 0.0, gain: AdaptiveGain = AdaptiveGain(), alpha: float = 0.98,
-           rest: Literal["auto"] | tuple[int, int] | None = "auto", forward_axis: Any = None,
-           gravity_m_s2: float = GRAVITY_M_S2) -> Orientation:
+           kp: float | None = None, ki: float | None = None, gain: AdaptiveGain | None = None,
+           alpha: float | None = None, rest: Literal["auto"] | tuple[int, int] | None = "auto",
+           forward_axis: Any = None, gravity_m_s2: float = GRAVITY_M_S2) -> Orientation:
     """A whole recording, as ``shisei orient`` does it: finds the first rest, removes the gyro bias measured there,
     starts from its attitude.
 
     gyro_rad_s, acc_m_s2: (N, 3). filter: "shisei", the estimator's smoother (every attitude from the whole recording);
-    "shisei-online", the estimator as it runs live; or one of the classic filters, to which kp, ki, gain and alpha
-    belong. rest: "auto", (first row, end row), or None to start at once with no bias removed; without a rest the
-    estimator goes on, and the classic filters raise ConditionError. forward_axis (3,): the sensor axis that, laid
-    flat at the start, shall point along world x. :func:`shisei.estimate` tells more and takes a calibration.
+    "shisei-online", the estimator as it runs live; or one of the classic filters: "mahony" with kp (0.2) and ki (0),
+    "mahony-adaptive" with gain and ki (0), "complementary" with alpha (0.98), "gyro", "gyro-rk4". rest: "auto", (first
+    row, end row), or None to start at once with no bias removed; without a rest the estimator goes on, and the classic
+    filters raise ConditionError. forward_axis: the sensor axis that, laid flat at the start, shall point along world x:
+    "+x" … "-z" or (3,). :func:`shisei.estimate` tells more and takes a calibration.
+
+    Readings in g or deg/s, and values that no sensor gives, bring a UserWarning.
     """
     gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
+    given = {"kp": kp, "ki": ki, "gain": gain, "alpha": alpha}
+    if filter not in _TAKES:
+        raise ValueError(say(f"filter is {filter!r}; it must be one of {', '.join(_TAKES)}",
+                             f"filter が {filter!r} です。{'、'.join(_TAKES)} のいずれかにしてください"))
+    for name, value in given.items():
+        if value is not None and name not in _TAKES[filter]:
+            raise ValueError(say(f"{name} has no meaning for filter {filter!r}; leave it out",
+                                 f"{name} は filter {filter!r} では使えません。外してください"))
+    kp, ki = 0.2 if kp is None else kp, 0.0 if ki is None else ki
+    gain, alpha = gain or AdaptiveGain(), 0.98 if alpha is None else alpha
     parameters = {"mahony": [kp, ki], "mahony-adaptive": [*astuple(gain), ki, gravity_m_s2],
                   "complementary": [alpha, gravity_m_s2]}.get(filter, [])
-    rows = None if rest is None or rest == "auto" else (int(rest[0]), int(rest[1]))
-    axis = None if forward_axis is None else vector(forward_axis, 3, "forward_axis")
-    found = _orient(filter, parameters, gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), rest == "auto", rows, axis,
-                    gravity_m_s2)
+    rows, step = rest_rows(rest, len(gyro)), steps(len(gyro), rate_hz, time_s, dt_s)
+    found = _orient(filter, parameters, gyro, acc, step, isinstance(rest, str), rows,
+                    axis(forward_axis, "forward_axis"), gravity_m_s2)
+    warn_of_doubts(gyro, acc, step)
     return Orientation(found["world_from_body"], tuple(found["start"]), found["rest"], tuple(found["gyro_bias_rad_s"]),
                        found.get("sigma_tilt_rad"), found.get("sigma_heading_rad"))
 
@@ -182,6 +204,9 @@ def dead_reckon(*, gyro_rad_s: Any, acc_m_s2: Any, start: Any, rate_hz: float | 
     gyro_rad_s, acc_m_s2: (N, 3). start: attitude (4,) before the first sample. gravity_m_s2: mean |a| at rest of
     the same sensor.
     """
+    if scheme not in ("semi-implicit", "euler", "trapezoid"):
+        raise ValueError(say(f"scheme is {scheme!r}; it must be 'semi-implicit', 'euler' or 'trapezoid'",
+                             f"scheme が {scheme!r} です。'semi-implicit'、'euler'、'trapezoid' のいずれかにしてください"))
     gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
     out = _dead_reckon(vector(start, 4, "start"), gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s),
                        vector(gyro_bias_rad_s, 3, "gyro_bias_rad_s"), gravity_m_s2, scheme)

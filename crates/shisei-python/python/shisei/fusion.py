@@ -9,7 +9,7 @@ from typing import Any, Literal, NamedTuple, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Floats, as_floats, series
+from ._arrays import Floats, as_floats, say, series
 from ._native import ShapeError
 from ._native import fuse as _fuse
 from ._native import read_motive as _read_motive
@@ -163,7 +163,7 @@ def _column(frame: Any, name: str) -> Any:
     try:
         return frame[name]
     except (KeyError, IndexError, TypeError, ValueError):
-        raise ShapeError(f"the recording has no {name}") from None
+        raise ShapeError(say(f"the recording has no {name}", f"記録に {name} がありません")) from None
 
 
 def _imu(imu: Any) -> ImuRecording:
@@ -196,7 +196,8 @@ def fuse(optical: OpticalTake | Path, imu: ImuRecording | Mapping[str, Any] | Pa
     if isinstance(optical, (str, os.PathLike)):
         optical = read_motive(optical, body=body, frozen=frozen)
     elif body is not None:
-        raise TypeError("body is for a path; an OpticalTake is of one body")
+        raise TypeError(say("body is for a path; an OpticalTake is of one body",
+                            "body はファイルを指定するときだけ使えます。OpticalTake は 1 つの剛体です"))
     recording = _imu(imu)
     time_s = as_floats(optical.time_s, "time_s").ravel()
     found = _fuse(time_s, series(optical.position_m, 3, "position_m"), series(optical.q_wxyz, 4, "q_wxyz"),

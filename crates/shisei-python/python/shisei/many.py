@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar, cast
 
-from ._arrays import Floats
+from ._arrays import Floats, say
 from ._native import run_mahony_many
 from .filters import mahony, mahony_given
 
@@ -27,7 +27,7 @@ def many(function: Callable[..., Found], recordings: Iterable[Mapping[str, Any]]
     """
     count = threads or os.cpu_count() or 1
     if count < 1:
-        raise ValueError(f"threads is {threads}; it must be at least 1")
+        raise ValueError(say(f"threads is {threads}; it must be at least 1", f"threads が {threads} です。1 以上にしてください"))
     recordings = list(recordings)
     if cast(Any, function) is mahony and len(recordings) > count:
         try:

@@ -6,7 +6,7 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ._arrays import Floats, as_floats, series, steps
+from ._arrays import Floats, as_floats, say, series, steps
 from ._native import ShapeError
 from ._native import allan_deviation as _allan
 from ._native import earth_rate as _earth_rate
@@ -67,7 +67,8 @@ def allan_deviation(data: Any, *, rate_hz: float | None = None, dt_s: float | No
     if array.ndim == 2 and array.shape[1] == 1:
         array = array[:, 0].copy()
     if array.ndim != 1:
-        raise ShapeError(f"data has shape {array.shape} and must be (N,): one axis; give each axis by itself")
+        raise ShapeError(say(f"data has shape {array.shape} and must be (N,): one axis; give each axis by itself",
+                             f"data の形は {array.shape} ですが、(N,) でなければなりません。軸を 1 つずつ指定してください"))
     found = _allan(array, steps(len(array), rate_hz, None, dt_s))
     for name in ("quantisation", "random_walk", "bias_instability", "rate_random_walk"):
         found[name] = Measured(*found[name])
@@ -125,7 +126,8 @@ def mean_rate(*, gyro_rad_s: Any, acc_m_s2: Any = None, rate_hz: float | None = 
     or DomainError (numbers that are not finite, steps not positive).
     """
     if weights not in ("capped", "as-measured"):
-        raise ValueError(f"weights is {weights!r}; it must be 'capped' or 'as-measured'")
+        raise ValueError(say(f"weights is {weights!r}; it must be 'capped' or 'as-measured'",
+                             f"weights が {weights!r} です。'capped' か 'as-measured' にしてください"))
     gyro = series(gyro_rad_s, 3, "gyro_rad_s")
     acc = None if acc_m_s2 is None else series(acc_m_s2, 3, "acc_m_s2")
     found = _mean_rate(gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), weights == "as-measured")

@@ -6,14 +6,25 @@ from typing import Any, Literal
 import numpy as np
 
 from . import sheet
-from ._arrays import Floats, as_floats, series, vector
+from ._arrays import Floats, as_floats, say, series, vector
+from ._native import ShapeError
+from ._native import from_matrix as _from_matrix
 from ._native import multiply as _multiply
+from ._native import rotate as _rotate
 from ._native import slerp as _slerp
+from ._native import to_matrix as _to_matrix
+from ._native import to_rotation_vector as _to_rotation_vector
 
 
 def _alike(result: Floats, given: Any) -> Floats:
     """One row back for one row in."""
     return result[0] if np.ndim(given) == 1 else result
+
+
+def _as_many(*given: Floats) -> list[Floats]:
+    """One row alone serves as many as the other has."""
+    rows = max(len(x) for x in given)
+    return [np.ascontiguousarray(np.broadcast_to(x, (rows, x.shape[1]))) if len(x) == 1 else x for x in given]
 
 
 def normalize(q: Any) -> Floats:
@@ -29,16 +40,37 @@ def conjugate(q: Any) -> Floats:
 
 def multiply(a: Any, b: Any) -> Floats:
     """Hamilton product: first ``b``, then ``a``. Each (4,) or (N, 4); one serves all rows of the other."""
-    left, right = series(a, 4, "a"), series(b, 4, "b")
-    rows = max(len(left), len(right))
-    both = [np.ascontiguousarray(np.broadcast_to(x, (rows, 4))) if len(x) == 1 else x for x in (left, right)]
-    out = _multiply(*both)
+    out = _multiply(*_as_many(series(a, 4, "a"), series(b, 4, "b")))
     return out[0] if np.ndim(a) == 1 and np.ndim(b) == 1 else out
 
 
 def rotate(q: Any, v: Any) -> Floats:
-    """``q v q*``: sensor to world coordinates. ``q``: (4,) or (N, 4); ``v``: (3,). Returns (3,) or (N, 3)."""
-    return _alike(sheet.QuatsRotateVec3(series(q, 4, "q"), v), q)
+    """``q v q*``: sensor to world coordinates. ``q``: (4,) or (N, 4); ``v``: (3,) or (N, 3), a vector for each; one
+    serves all rows of the other. Returns (3,) or (N, 3)."""
+    quats, vectors = series(q, 4, "q"), series(v, 3, "v")
+    out = _rotate(*_as_many(quats, vectors))
+    return out[0] if np.ndim(q) == 1 and np.ndim(v) == 1 else out
+
+
+def to_matrix(q: Any) -> Floats:
+    """Rotation matrices, world from body, rows first. ``q``: (4,) or (N, 4). Returns (3, 3) or (N, 3, 3)."""
+    return _alike(_to_matrix(series(q, 4, "q")).reshape(-1, 3, 3), q)
+
+
+def from_matrix(matrix: Any) -> Floats:
+    """Quaternions of rotation matrices (3, 3) or (N, 3, 3), which may be off by rounding; DomainError for others.
+    Returns (4,) or (N, 4), w ≥ 0."""
+    array = as_floats(matrix, "matrix")
+    if array.ndim not in (2, 3) or array.shape[-2:] != (3, 3):
+        raise ShapeError(say(f"matrix has shape {array.shape} and must be (3, 3) or (N, 3, 3)",
+                             f"matrix の形は {array.shape} ですが、(3, 3) または (N, 3, 3) でなければなりません"))
+    out = _from_matrix(array.reshape(-1, 9))
+    return out[0] if array.ndim == 2 else out
+
+
+def to_rotation_vector(q: Any) -> Floats:
+    """Axis times angle, rad, the angle from 0 to π. ``q``: (4,) or (N, 4). Returns (3,) or (N, 3)."""
+    return _alike(_to_rotation_vector(series(q, 4, "q")), q)
 
 
 def to_ypr(q: Any) -> Floats:
@@ -70,7 +102,8 @@ def relative(q: Any, start: Any, *, frame: Literal["world", "body"] = "world") -
     """
     functions = {"world": sheet.Quats2WorldQuats, "body": sheet.Quats2BodyQuats}
     if frame not in functions:
-        raise ValueError(f"frame is {frame!r}; it must be 'world' or 'body'")
+        raise ValueError(say(f"frame is {frame!r}; it must be 'world' or 'body'",
+                             f"frame が {frame!r} です。'world' か 'body' にしてください"))
     return _alike(functions[frame](series(q, 4, "q"), start), q)
 
 

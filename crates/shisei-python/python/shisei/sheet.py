@@ -11,7 +11,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from ._arrays import as_floats
+from ._arrays import as_floats, number, say
 from ._native import ShapeError
 from ._native import call as _call
 from ._native import functions as _functions
@@ -20,13 +20,12 @@ from ._native import functions as _functions
 def _argument(value: Any, is_number: bool, name: str) -> Any:
     if value is None:
         return None
-    array = as_floats(value, name)
     if is_number:
-        if array.size != 1:
-            raise ShapeError(f"{name} has shape {array.shape} and must be one number")
-        return float(array.reshape(()))
+        return number(value, name)
+    array = as_floats(value, name)
     if array.ndim > 2:
-        raise ShapeError(f"{name} has {array.ndim} dimensions and must have at most two")
+        raise ShapeError(say(f"{name} has {array.ndim} dimensions and must have at most two",
+                             f"{name} は {array.ndim} 次元ですが、2 次元以下でなければなりません"))
     return array if array.ndim == 2 else array.reshape(1, -1)
 
 

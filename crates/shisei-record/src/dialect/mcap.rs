@@ -34,6 +34,7 @@ pub const DIALECT: WholeFile = WholeFile {
     id: "mcap",
     name: "MCAP recording",
     layout: "MCAP, sensor_msgs/msg/Imu",
+    layout_ja: "MCAP、sensor_msgs/msg/Imu",
     recognises: |bytes| bytes.starts_with(b"\x89MCAP0\r\n"),
     read,
 };

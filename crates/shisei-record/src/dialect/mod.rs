@@ -63,10 +63,26 @@ pub(crate) struct WholeFile {
     pub name: &'static str,
     /// How it is laid out, for people.
     pub layout: &'static str,
+    /// The same in Japanese.
+    pub layout_ja: &'static str,
     /// True when the bytes are of this kind.
     pub recognises: fn(&[u8]) -> bool,
     /// Reads it.
     pub read: fn(&str, &[u8], &Options) -> Result<Part>,
+}
+
+/// What a kind of file is called in Japanese, by its id; `name` where that is a maker's.
+pub(crate) fn name_ja(id: &str, name: &'static str) -> &'static str {
+    match id {
+        "generic" => "見出しのある表",
+        "headerless" => "見出しのない数値の表",
+        "shisei" => "shisei の列",
+        "android-ms" => "日付とミリ秒を記録する Android のロガー",
+        "spresense" => "Spresense マルチ IMU ボード (16 進数のログ)",
+        "gyroflow" => "Gyroflow のログ",
+        "mcap" => "MCAP の記録",
+        _ => name,
+    }
 }
 
 /// A table whose header or units say what it is.

@@ -23,6 +23,7 @@ pub const DIALECT: WholeFile = WholeFile {
     id: "spresense",
     name: "Spresense multi-IMU board (hexadecimal log)",
     layout: "text, 8 hexadecimal fields a line",
+    layout_ja: "テキスト、1 行に 16 進数 8 個",
     recognises,
     read,
 };
