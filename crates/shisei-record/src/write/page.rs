@@ -7,12 +7,6 @@ use std::io::{self, IoSlice, Write};
 /// What is written at once is a multiple of this, so that the system takes large pages of memory for the file.
 const PIECE: usize = 1 << 16;
 
-/// Numbers of a column, made ready.
-pub(super) struct Ready<S> {
-    pub values: [f64; TILE],
-    pub style: S,
-}
-
 /// Text that grows; its memory is used again.
 #[derive(Default)]
 pub(super) struct Page {
@@ -56,32 +50,33 @@ impl Page {
         }
     }
 
-    /// Appends a row: the k-th of the numbers made ready in every column.
+    /// Appends the first `count` numbers made ready, each with the byte that `row` puts after it.
     #[inline(always)]
-    pub fn numbers<S: Style>(&mut self, columns: &[Ready<S>], k: usize) {
-        while self.bytes.len() < self.length + (columns.len() + 1) * WINDOW {
-            self.grow();
-        }
-        let mut columns = columns.iter();
-        loop {
+    pub fn numbers<S: Style>(&mut self, style: &S, values: &[f64; TILE], count: usize, row: &mut Row) {
+        let mut k = 0;
+        while k < count {
+            while self.bytes.len() < self.length + TILE * WINDOW {
+                self.grow();
+            }
+            let out = self.bytes.get_mut(self.length..).unwrap_or_default();
+            let (mut at, mut odd) = (0, false);
             // What goes the long way is kept out of this loop.
-            let (mut at, mut odd) = (self.length, None);
-            for column in columns.by_ref() {
-                let Some(room) = self.bytes.get_mut(at..).and_then(|out| out.first_chunk_mut()) else {
-                    return;
-                };
-                let length = column.style.put(k, column.values[k], room);
-                if length == 0 {
-                    odd = Some(column.values[k]);
+            while k < count
+                && let Some(room) = out.get_mut(at..).and_then(|out| out.first_chunk_mut())
+            {
+                let length = style.put(k, values[k], room);
+                odd = length == 0;
+                if odd {
                     break;
                 }
-                room[length] = b',';
+                room[length] = row.after();
                 at += length + 1;
+                k += 1;
             }
-            self.length = at;
-            match odd {
-                Some(value) => self.odd_number::<S>(value, b','),
-                None => return self.end_line(),
+            self.length += at;
+            if odd {
+                self.odd_number::<S>(values[k], row.after());
+                k += 1;
             }
         }
     }
@@ -127,6 +122,29 @@ impl Page {
 
     pub fn text(&self) -> &[u8] {
         self.bytes.get(..self.length).unwrap_or_default()
+    }
+}
+
+/// Where in a row of numbers the next one stands.
+pub(super) struct Row {
+    columns: usize,
+    left: usize,
+}
+
+impl Row {
+    pub fn of(columns: usize) -> Self {
+        Row { columns, left: columns }
+    }
+
+    /// The byte after the next number.
+    #[inline(always)]
+    fn after(&mut self) -> u8 {
+        self.left -= 1;
+        if self.left > 0 {
+            return b',';
+        }
+        self.left = self.columns;
+        b'\n'
     }
 }
 

@@ -1,7 +1,7 @@
-//! Rows of a table into text: the numbers of a column are made ready together, then put into place row by row.
+//! Rows of a table into text: numbers are made ready together, then put into place row by row.
 
 use super::digits::TILE;
-use super::page::{Page, Pieces, Ready};
+use super::page::{Page, Pieces, Row};
 use super::{Column, Decimals, Made, Style, decimal::Fixed, push_text, shortest::Shortest};
 use crate::wide::{Vectors, wide};
 use std::collections::VecDeque;
@@ -10,6 +10,8 @@ use std::sync::{Mutex, mpsc};
 
 /// Rows that are made into text together; the text stays in the processor's cache.
 const ROWS: usize = 1024;
+/// Rows whose numbers are made ready together: as many tiles as there are columns of numbers.
+const BLOCK: usize = TILE;
 /// Numbers below which a table is written by one thread.
 pub(super) const SMALL: usize = 1 << 18;
 
@@ -82,6 +84,13 @@ struct Job {
     page: Page,
 }
 
+/// Numbers of some rows, made ready.
+struct Ready<S> {
+    /// Row after row.
+    values: Vec<f64>,
+    styles: Vec<S>,
+}
+
 struct Table<'a> {
     cells: &'a [Cell<'a>],
     rows: usize,
@@ -107,9 +116,11 @@ impl Table<'_> {
         Ok(())
     }
 
-    fn ready<S: Style>(&self) -> Vec<Ready<S>> {
-        let numbers = self.cells.iter().filter(|cell| cell.is_number());
-        numbers.map(|_| Ready { values: [0.0; TILE], style: S::default() }).collect()
+    fn ready<S: Style>(&self) -> Ready<S> {
+        let numbers = self.cells.iter().filter(|cell| cell.is_number()).count();
+        let mut styles = Vec::new();
+        styles.resize_with(numbers, S::default);
+        Ready { values: vec![0.0; numbers * TILE], styles }
     }
 
     /// Threads make the text, this one makes what is made row after row and writes the text in order.
@@ -192,48 +203,79 @@ impl Job {
 
 wide! {
     /// The text of a job's rows.
-    fn lines<; S: Style>(table: &Table<'_>, job: &mut Job, ready: &mut [Ready<S>]) {
+    fn lines<; S: Style>(table: &Table<'_>, job: &mut Job, ready: &mut Ready<S>) {
         job.page.clear();
         let end = table.rows.min(job.start + ROWS);
-        for first in (job.start..end).step_by(TILE) {
-            let rows = TILE.min(end - first);
-            for (ready, cell) in ready.iter_mut().zip(table.cells.iter().filter(|cell| cell.is_number())) {
-                job.numbers(cell, first, ready.values.get_mut(..rows).unwrap_or_default());
-                ready.style.prepare(&ready.values);
-            }
-            for k in 0..rows {
-                if ready.len() == table.cells.len() {
-                    job.page.numbers(ready, k);
-                } else {
-                    mixed_row(table, &mut job.page, ready, first, k);
-                }
+        let all_numbers = ready.styles.len() == table.cells.len();
+        for first in (job.start..end).step_by(BLOCK) {
+            let rows = BLOCK.min(end - first);
+            take(table, job, ready, first, rows);
+            if all_numbers {
+                number_rows(&mut job.page, ready, rows);
+            } else {
+                mixed_rows(table, &mut job.page, ready, first, rows);
             }
         }
     }
 }
 
-/// A row with flags and texts between the numbers.
+/// Takes the numbers of `rows` rows from `first` on, row after row, and makes them ready.
 #[inline(always)]
-fn mixed_row<S: Style>(table: &Table<'_>, page: &mut Page, ready: &[Ready<S>], first: usize, k: usize) {
-    let mut numbers = ready.iter();
-    for kind in table.cells {
-        match kind {
-            Cell::Flags(flags) => {
-                page.byte(if flags.get(first + k) == Some(&true) { b'1' } else { b'0' });
-                page.byte(b',');
-            }
-            Cell::Texts(texts) => {
-                page.odd(|out| {
-                    push_text(out, texts.get(first + k).map_or("", |t| t));
-                    out.push(b',');
-                });
-            }
-            Cell::Number(_) | Cell::Made(_) => {
-                if let Some(number) = numbers.next() {
-                    page.number(&number.style, k, number.values[k], b',');
+fn take<S: Style>(table: &Table<'_>, job: &Job, ready: &mut Ready<S>, first: usize, rows: usize) {
+    let columns = ready.styles.len();
+    let mut column = [0.0; BLOCK];
+    let numbers = table.cells.iter().filter(|cell| cell.is_number());
+    for (offset, cell) in numbers.enumerate() {
+        job.numbers(cell, first, column.get_mut(..rows).unwrap_or_default());
+        let places = ready.values.get_mut(offset..).unwrap_or_default().iter_mut().step_by(columns);
+        for (place, value) in places.zip(column) {
+            *place = value;
+        }
+    }
+    let tiles = (rows * columns).div_ceil(TILE);
+    for (values, style) in ready.values.as_chunks::<TILE>().0.iter().zip(&mut ready.styles).take(tiles) {
+        style.prepare(values);
+    }
+}
+
+/// Rows of nothing but numbers.
+#[inline(always)]
+fn number_rows<S: Style>(page: &mut Page, ready: &Ready<S>, rows: usize) {
+    let mut row = Row::of(ready.styles.len());
+    let mut left = rows * ready.styles.len();
+    for (values, style) in ready.values.as_chunks::<TILE>().0.iter().zip(&ready.styles) {
+        page.numbers(style, values, left.min(TILE), &mut row);
+        left = left.saturating_sub(TILE);
+    }
+}
+
+/// Rows with flags and texts between the numbers.
+#[inline(always)]
+fn mixed_rows<S: Style>(table: &Table<'_>, page: &mut Page, ready: &Ready<S>, first: usize, rows: usize) {
+    let mut cell = 0;
+    for row in first..first + rows {
+        for kind in table.cells {
+            match kind {
+                Cell::Flags(flags) => {
+                    page.byte(if flags.get(row) == Some(&true) { b'1' } else { b'0' });
+                    page.byte(b',');
+                }
+                Cell::Texts(texts) => {
+                    page.odd(|out| {
+                        push_text(out, texts.get(row).map_or("", |t| t));
+                        out.push(b',');
+                    });
+                }
+                Cell::Number(_) | Cell::Made(_) => {
+                    if let (Some(style), Some(value)) =
+                        (ready.styles.get(cell / TILE), ready.values.get(cell))
+                    {
+                        page.number(style, cell % TILE, *value, b',');
+                    }
+                    cell += 1;
                 }
             }
         }
+        page.end_line();
     }
-    page.end_line();
 }
