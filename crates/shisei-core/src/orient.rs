@@ -372,7 +372,7 @@ struct Data<'a> {
 
 impl<'a> Data<'a> {
     /// Attitudes of the rows before `origin`, where the attitude is `start`, and what makes the others.
-    fn run<F: Filter + 'a>(
+    fn run<F: Filter + Copy + 'a>(
         &self,
         origin: usize,
         start: Quaternion,
@@ -397,6 +397,7 @@ impl<'a> Data<'a> {
 }
 
 /// A filter that is given rates with a bias.
+#[derive(Clone, Copy)]
 pub(super) struct Unbiased<F> {
     filter: F,
     bias: Vec3,

@@ -25,7 +25,7 @@ pub(super) struct Stretches<'a, F, M> {
     last: Quaternion,
 }
 
-impl<'a, F: Filter, M: Fn(Quaternion) -> Result<F>> Stretches<'a, F, M> {
+impl<'a, F: Filter + Copy, M: Fn(Quaternion) -> Result<F>> Stretches<'a, F, M> {
     /// Rates, accelerations and steps, one a row.
     pub(super) fn new(
         make: M,
@@ -37,7 +37,7 @@ impl<'a, F: Filter, M: Fn(Quaternion) -> Result<F>> Stretches<'a, F, M> {
     }
 }
 
-impl<F: Filter, M: Fn(Quaternion) -> Result<F>> Series for Stretches<'_, F, M> {
+impl<F: Filter + Copy, M: Fn(Quaternion) -> Result<F>> Series for Stretches<'_, F, M> {
     fn next(&mut self, out: &mut [Quaternion]) -> Result<()> {
         filter::same_length(out.len(), out.len().min(self.rates.len() - self.row))?;
         let mut done = 0;
@@ -58,16 +58,25 @@ impl<F: Filter, M: Fn(Quaternion) -> Result<F>> Series for Stretches<'_, F, M> {
             let end = (row + 1..most).find(|&k| self.dt_s[k] > GAP_S).unwrap_or(most);
             let stretch = row + (first - done)..end;
             done += end - row;
-            filter::run_into(
-                &mut self.filter,
-                &self.rates[stretch.clone()],
-                &self.acc[stretch.clone()],
-                Dt::PerSample(&self.dt_s[stretch]),
-                &mut out[first..done],
-            )?;
+            let dt = Dt::PerSample(&self.dt_s[stretch.clone()]);
+            let (rates, acc) = (&self.rates[stretch.clone()], &self.acc[stretch]);
+            self.filter = run(self.filter, rates, acc, dt, &mut out[first..done])?;
             self.last = out[done - 1];
             self.row = end;
         }
         Ok(())
     }
+}
+
+/// The filter after some rows. A function of its own, so that the filter stays in the processor's registers.
+#[inline(never)]
+fn run<F: Filter + Copy>(
+    mut filter: F,
+    rates: &[Vec3],
+    acc: &[Vec3],
+    dt: Dt<'_>,
+    out: &mut [Quaternion],
+) -> Result<F> {
+    filter::run_into(&mut filter, rates, acc, dt, out)?;
+    Ok(filter)
 }
