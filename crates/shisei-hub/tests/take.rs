@@ -3,8 +3,9 @@
 use std::io::{self, Write};
 use std::sync::{Arc, Mutex};
 
-use shisei_hub::read::{self, Ending};
+use shisei_hub::read;
 use shisei_hub::{Item, Sample, Session, Take};
+use shisei_record::mcap_records::Loss;
 use shisei_record::{Input, Options, Problem, open};
 use shisei_twin::lab::{Lab, Settings};
 
@@ -136,16 +137,54 @@ fn what_is_no_recording_is_an_error() {
 }
 
 #[test]
-fn an_end_that_is_torn_is_told_from_a_whole_one() {
+fn what_is_lost_is_told() {
     let disk = Disk::default();
     record(disk.clone()).2.unwrap();
     let file = disk.bytes.lock().unwrap().clone();
-    let ending = |bytes: &[u8]| read::raw(bytes, |_, _, _| {}).unwrap();
-    assert_eq!(ending(&file), Ending::Whole);
-    assert_eq!(ending(&file[..file.len() / 2]), Ending::Torn);
+    let loss = |bytes: &[u8]| read::raw(bytes, |_, _, _| {}).unwrap();
+    assert_eq!(loss(&file), Loss::default());
+    assert_eq!(loss(&file[..file.len() / 2]), Loss { parts: 0, cut: true });
     let mut damaged = file.clone();
     damaged[file.len() / 2] ^= 0x40;
-    assert_eq!(ending(&damaged), Ending::Torn);
+    assert_eq!(loss(&damaged), Loss { parts: 1, cut: false });
+}
+
+/// One chunk of several is damaged: the others are read, and of the samples each keeps its own time.
+#[test]
+fn a_flipped_bit_costs_its_own_chunk_only() {
+    let disk = Disk::default();
+    let (given, _, outcome) = record(disk.clone());
+    outcome.unwrap();
+    let whole = disk.bytes.lock().unwrap().clone();
+    let options = Options { sensor: Some("1".into()), keep: vec!["seq".into()], ..Options::default() };
+    let samples = |bytes: &[u8]| {
+        let recording = open(&[Input { name: "take.mcap", bytes }], &options).unwrap();
+        let seq = recording.extra[0].cells.clone();
+        let rows = seq.into_iter().zip(recording.time_s).zip(recording.gyro_rad_s);
+        let rows: Vec<_> = rows.map(|((seq, time_s), rate)| (seq, time_s, rate)).collect();
+        (rows, recording.warnings.iter().any(|note| note.code == "mcap-damaged"))
+    };
+    let (expected, warned) = samples(&whole);
+    assert!(!warned);
+    let mut least = usize::MAX;
+    for place in (whole.len() / 10..whole.len() * 9 / 10).step_by(whole.len() / 23) {
+        let mut damaged = whole.clone();
+        damaged[place] ^= 0x10;
+        let (left, warned) = samples(&damaged);
+        // Time 0 is the first that is left.
+        let first = expected.iter().find(|row| row.0 == left[0].0).unwrap().1;
+        let mut all = expected.iter();
+        for row in &left {
+            let same =
+                |e: &&(_, f64, _)| (&e.0, e.2) == (&row.0, row.2) && (e.1 - first - row.1).abs() < 1e-9;
+            assert!(all.find(same).is_some(), "{row:?} after damage at {place}");
+        }
+        assert!(warned || left.len() == expected.len(), "{place}");
+        least = least.min(left.len());
+        let raw = raw_of(&damaged).unwrap();
+        assert!(raw.len() * 10 > given.len() * 5, "{place}: {} of {} bytes", raw.len(), given.len());
+    }
+    assert!(least * 10 > expected.len() * 5 && least < expected.len(), "{least} of {}", expected.len());
 }
 
 /// What `shisei orient take.mcap` and `shisei fuse` read: the session's samples, and their frames as a column.

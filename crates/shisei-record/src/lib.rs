@@ -18,6 +18,8 @@ pub mod error;
 mod error_text;
 mod judge;
 mod large_pages;
+#[cfg(feature = "mcap")]
+pub mod mcap_records;
 mod merge;
 pub mod motive;
 pub mod names;

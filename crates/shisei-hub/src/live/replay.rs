@@ -7,7 +7,8 @@ use std::time::{Duration, Instant};
 use super::input::{Input, Kind, Line, State, What};
 use super::note::{Level, Note};
 use crate::natnet;
-use crate::read::{self, Ending};
+use crate::read;
+use shisei_record::mcap_records::Loss;
 
 /// What a recording of ours has, and others do not.
 const NO_RAW: &str = "no bytes of a receiver or of Motive in it";
@@ -22,7 +23,8 @@ pub struct Replay {
     messages: Vec<(Arc<str>, u64, Vec<u8>)>,
     speed: f64,
     packets: BTreeMap<Arc<str>, bool>,
-    ending: Ending,
+    /// What of the recording could not be read.
+    loss: Loss,
 }
 
 impl Replay {
@@ -31,7 +33,7 @@ impl Replay {
     pub fn new(name: &str, file: &[u8], speed: f64) -> std::io::Result<Self> {
         let (mut messages, mut packets) = (Vec::new(), BTreeMap::new());
         let mut names: BTreeMap<String, Arc<str>> = BTreeMap::new();
-        let ending = read::raw(file, |port, unix_ns, bytes| {
+        let loss = read::raw(file, |port, unix_ns, bytes| {
             let port = names.entry(port.to_owned()).or_insert_with(|| Arc::from(port));
             // a port's first packet says what it is: NatNet's word about the server, or a receiver's bytes
             packets.entry(Arc::clone(port)).or_insert_with(|| is_natnet(bytes));
@@ -40,7 +42,7 @@ impl Replay {
         if messages.is_empty() {
             return Err(std::io::Error::new(std::io::ErrorKind::InvalidData, NO_RAW));
         }
-        Ok(Replay { name: name.to_owned(), messages, speed, packets, ending })
+        Ok(Replay { name: name.to_owned(), messages, speed, packets, loss })
     }
 }
 
@@ -63,16 +65,17 @@ impl Input for Replay {
         let (started, first_ns) = (Instant::now(), self.messages.first().map_or(0, |first| first.1));
         let own: Arc<str> = Arc::from(self.name.as_str());
         line.give(&own, What::State(State::Connected));
-        if self.ending == Ending::Torn {
-            let name = &self.name;
-            line.note(
-                &own,
-                Note::new(
-                    Level::Warning,
-                    format!("{name} was cut or is damaged: it is played up to there"),
-                    format!("{name} は途中で切れているか、破損しています。読める所まで再生します"),
-                ),
-            );
+        let name = &self.name;
+        if self.loss.parts > 0 {
+            let parts = self.loss.parts;
+            let english = format!("{name}: damaged parts that are left out: {parts}");
+            let japanese = format!("{name}: 破損した部分が {parts} か所あります。その部分を除いて再生します");
+            line.note(&own, Note::new(Level::Warning, english, japanese));
+        }
+        if self.loss.cut {
+            let english = format!("{name} was cut: it is played up to there");
+            let japanese = format!("{name} は途中で切れています。読める所まで再生します");
+            line.note(&own, Note::new(Level::Warning, english, japanese));
         }
         for (port, unix_ns, bytes) in self.messages {
             let since_s = unix_ns.saturating_sub(first_ns) as f64 * 1e-9;

@@ -2,19 +2,19 @@
 //!
 //! `shisei record` writes each sample twice: `/imu/N` has the values, `/sample/N` the same sample's time by the
 //! receiver's clock, boot id, sequence number and frame index, as JSON. They are read in pairs. Another program's file
-//! has the message's own stamp. A file that was cut is read up to its last whole chunk.
+//! has the message's own stamp. A file that was cut is read up to its last whole chunk, a damaged one without the chunks
+//! that are.
 
 use std::collections::{BTreeMap, HashMap};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::ops::ControlFlow;
 
-use mcap::McapError;
 use mcap::records::Record;
-use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use shisei_core::Vec3;
 
 use super::WholeFile;
 use crate::body::{Body, TimeForm, Wanted};
 use crate::error::{Error, Problem, Result, shorten};
+use crate::mcap_records::{self, Loss};
 use crate::names::Grade;
 use crate::open::{Clock, Part, finish_time};
 use crate::options::Options;
@@ -59,9 +59,17 @@ struct Beside {
 #[derive(Debug, Default)]
 struct Sensor {
     name: String,
-    /// None where a message could not be read; its place is kept, for `beside` has one too.
-    values: Vec<Option<Values>>,
-    beside: Vec<Beside>,
+    samples: Vec<Sample>,
+}
+
+/// A sample's messages.
+#[derive(Debug)]
+struct Sample {
+    /// What both messages say of when they were given.
+    publish_ns: u64,
+    /// None where the message could not be read.
+    values: Option<Values>,
+    beside: Option<Beside>,
 }
 
 /// What a channel brings.
@@ -72,60 +80,26 @@ enum Brings {
     Events,
 }
 
-/// A file's sensors by topic, and whether it ended early.
+/// A file's sensors by topic, and what of it could not be read.
 #[derive(Debug, Default)]
 struct File {
     sensors: BTreeMap<String, Sensor>,
-    cut: bool,
+    loss: Loss,
 }
 
 fn damaged(name: &str, detail: &str) -> Error {
     Error::of_file(name, Problem::Damaged { format: "MCAP", detail: shorten(detail) })
 }
 
-/// The decoder is not ours: where it panics, the file is damaged.
 fn parse(name: &str, bytes: &[u8]) -> Result<File> {
-    catch_unwind(AssertUnwindSafe(|| records(name, bytes)))
-        .unwrap_or_else(|_| Err(damaged(name, "its decoder stopped")))
-}
-
-fn records(name: &str, bytes: &[u8]) -> Result<File> {
-    let options = LinearReaderOptions::default()
-        .with_skip_end_magic(true)
-        .with_validate_chunk_crcs(true)
-        .with_record_length_limit(bytes.len().max(64));
-    let mut reader = LinearReader::new_with_options(options);
-    let mut rest = bytes;
     let (mut file, mut channels, mut schemas) = (File::default(), HashMap::new(), HashMap::new());
-    let mut ended = false;
-    while let Some(event) = reader.next_event() {
-        match event {
-            Ok(LinearReadEvent::ReadRequest(wanted)) => {
-                let count = wanted.min(rest.len());
-                let (now, later) = rest.split_at(count);
-                reader.insert(count).get_mut(..count).unwrap_or_default().copy_from_slice(now);
-                reader.notify_read(count);
-                rest = later;
-            }
-            Ok(LinearReadEvent::Record { opcode, data }) => {
-                let Ok(record) = mcap::parse_record(opcode, data) else {
-                    file.cut = true;
-                    return Ok(file);
-                };
-                ended |= matches!(record, Record::DataEnd(_) | Record::Footer(_));
-                take(name, record, &mut file, &mut channels, &mut schemas)?;
-            }
-            Err(error @ (McapError::UnsupportedCompression(_) | McapError::BadMagic)) => {
-                return Err(damaged(name, &error.to_string()));
-            }
-            // The torn end of a recording that was cut.
-            Err(_) => {
-                file.cut = true;
-                return Ok(file);
-            }
-        }
-    }
-    file.cut = !ended;
+    let mut taken = Ok(());
+    let loss = mcap_records::records(bytes, |record| {
+        taken = take(name, record, &mut file, &mut channels, &mut schemas);
+        if taken.is_ok() { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+    });
+    taken?;
+    file.loss = loss.map_err(|error| damaged(name, &error.to_string()))?;
     Ok(file)
 }
 
@@ -154,7 +128,10 @@ fn take(
             {
                 let node = topic.strip_prefix("/imu/").map(|node| format!("node {node}"));
                 let sensor = file.sensors.entry(topic.clone()).or_default();
-                sensor.name = node.unwrap_or_else(|| topic.trim_start_matches('/').to_owned());
+                // A node may have told its name before, and channels are repeated at a file's end.
+                if sensor.name.is_empty() {
+                    sensor.name = node.unwrap_or_else(|| topic.trim_start_matches('/').to_owned());
+                }
                 Brings::Values(topic)
             } else {
                 return Ok(());
@@ -164,12 +141,18 @@ fn take(
         Record::Message { header, data } => match channels.get(&header.channel_id) {
             Some(Brings::Values(topic)) => {
                 if let Some(sensor) = file.sensors.get_mut(topic) {
-                    sensor.values.push(values(&data));
+                    let (publish_ns, values) = (header.publish_time, values(&data));
+                    sensor.samples.push(Sample { publish_ns, values, beside: None });
                 }
             }
             Some(Brings::Beside(topic)) => {
-                if let Some(sensor) = file.sensors.get_mut(topic) {
-                    sensor.beside.push(beside(&data));
+                // The other half of the newest sample; that one may have been in a damaged part.
+                let newest = file.sensors.get_mut(topic).and_then(|sensor| sensor.samples.last_mut());
+                if let Some(sample) = newest
+                    && sample.beside.is_none()
+                    && sample.publish_ns == header.publish_time
+                {
+                    sample.beside = Some(beside(&data));
                 }
             }
             Some(Brings::Events) => named(&data, &mut file.sensors),
@@ -228,7 +211,7 @@ fn values(data: &[u8]) -> Option<Values> {
 /// The sensor that was asked for, or the only one.
 fn choose(name: &str, file: File, asked: Option<&str>) -> Result<Sensor> {
     let mut sensors: Vec<(String, Sensor)> =
-        file.sensors.into_iter().filter(|(_, sensor)| !sensor.values.is_empty()).collect();
+        file.sensors.into_iter().filter(|(_, sensor)| !sensor.samples.is_empty()).collect();
     let names: Vec<String> = sensors.iter().map(|(_, sensor)| sensor.name.clone()).collect();
     if names.is_empty() {
         return Err(Error::of_file(name, Problem::NoSamples));
@@ -259,9 +242,9 @@ fn choose(name: &str, file: File, asked: Option<&str>) -> Result<Sensor> {
 
 fn read(name: &str, bytes: &[u8], options: &Options) -> Result<Part> {
     let file = parse(name, bytes)?;
-    let cut = file.cut;
+    let loss = file.loss;
     let sensor = choose(name, file, options.sensor.as_deref())?;
-    let ours = !sensor.beside.is_empty();
+    let ours = sensor.samples.iter().any(|sample| sample.beside.is_some());
     let all_kept = options.keep.iter().any(|asked| asked == "*");
     let kept: Vec<usize> = (0..KEPT.len())
         .filter(|&k| {
@@ -278,13 +261,13 @@ fn read(name: &str, bytes: &[u8], options: &Options) -> Result<Part> {
     }
     let mut body = Body { keep: vec![Vec::new(); kept.len()], ..Body::default() };
     let (mut without_time, none) = (0, Beside::default());
-    for (k, values) in sensor.values.iter().enumerate() {
-        let Some(values) = values else {
+    for sample in &sensor.samples {
+        let Some(values) = &sample.values else {
             body.skipped += 1;
             continue;
         };
-        // A cut file may lack the last sample's other half.
-        let beside = sensor.beside.get(k).unwrap_or(&none);
+        // A cut or damaged file may lack a sample's other half.
+        let beside = sample.beside.as_ref().unwrap_or(&none);
         let Some(time_s) = (if ours { beside.time_s } else { Some(values.stamp_s) }) else {
             without_time += 1;
             continue;
@@ -312,7 +295,7 @@ fn read(name: &str, bytes: &[u8], options: &Options) -> Result<Part> {
         keep_names: kept.iter().map(|&k| KEPT[k].to_owned()).collect(),
         ..Part::default()
     };
-    notes(&mut part, &sensor.name, cut, without_time);
+    notes(&mut part, &sensor.name, loss, without_time);
     if ours {
         // The receiver's clock counts from its start.
         let first_s = body.time.first().copied().unwrap_or(0.0);
@@ -327,13 +310,21 @@ fn read(name: &str, bytes: &[u8], options: &Options) -> Result<Part> {
     Ok(part)
 }
 
-fn notes(part: &mut Part, sensor: &str, cut: bool, without_time: usize) {
+fn notes(part: &mut Part, sensor: &str, loss: Loss, without_time: usize) {
     part.assumptions.push(Note::new(
         "mcap",
         format!("the sensor is {sensor}; rates are rad/s before bias removal, accelerations m/s²"),
         format!("センサーは {sensor} です。ジャイロはバイアス補正前の rad/s、加速度は m/s² として読みます"),
     ));
-    if cut {
+    if loss.parts > 0 {
+        let parts = loss.parts;
+        part.warnings.push(Note::new(
+            "mcap-damaged",
+            format!("damaged parts of the recording are left out: {parts}; their samples are missing"),
+            format!("記録に破損した部分が {parts} か所あります。その部分のサンプルを除いて読みます"),
+        ));
+    }
+    if loss.cut {
         part.warnings.push(Note::new(
             "mcap-cut",
             "the recording was cut: it is read up to its last whole part".into(),

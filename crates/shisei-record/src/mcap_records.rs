@@ -1,0 +1,93 @@
+//! The records of an MCAP file that is whole, was cut, or is damaged in places.
+
+use std::io::Read;
+use std::ops::ControlFlow;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use mcap::records::{Record, op};
+use mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+use mcap::{MAGIC, McapError};
+
+/// What of a file could not be read.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Loss {
+    /// Damaged parts that were left out: chunks whose sum is wrong, other records that make no sense.
+    pub parts: usize,
+    /// The file was cut; what is whole before that was read.
+    pub cut: bool,
+}
+
+impl Loss {
+    /// Whether all was read.
+    pub fn is_none(self) -> bool {
+        self == Loss::default()
+    }
+}
+
+/// Gives the records of a file in their order, those in chunks as if they stood alone, until `each` breaks. A damaged
+/// part is left out as a whole. Errors: no MCAP, or one whose chunks are compressed.
+pub fn records<'a>(
+    file: &'a [u8],
+    mut each: impl FnMut(Record<'a>) -> ControlFlow<()>,
+) -> Result<Loss, McapError> {
+    let mut rest = file.strip_prefix(MAGIC).ok_or(McapError::BadMagic)?;
+    let mut loss = Loss { parts: 0, cut: true };
+    while let Some((kind, content, after)) = split(rest) {
+        rest = after;
+        let found = if kind == op::CHUNK {
+            chunk(content)
+        } else {
+            mcap::parse_record(kind, content).map(|record| vec![record])
+        };
+        match found {
+            Ok(records) => {
+                for record in records {
+                    // What follows repeats what was said.
+                    loss.cut &= !matches!(record, Record::DataEnd(_));
+                    if each(record).is_break() {
+                        return Ok(loss);
+                    }
+                }
+            }
+            Err(error @ McapError::UnsupportedCompression(_)) => return Err(error),
+            Err(_) => loss.parts += 1,
+        }
+    }
+    Ok(loss)
+}
+
+/// Kind and content of the first record, and what follows; nothing where it is not whole.
+fn split(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
+    let (kind, rest) = bytes.split_first()?;
+    let (length, rest) = rest.split_first_chunk()?;
+    let (content, rest) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*length)).ok()?)?;
+    Some((*kind, content, rest))
+}
+
+/// The records of a chunk, if all of it is right.
+fn chunk(content: &[u8]) -> Result<Vec<Record<'static>>, McapError> {
+    // The decoder is not ours: where it panics, the chunk is damaged.
+    let read = AssertUnwindSafe(|| {
+        let head = [&[op::CHUNK], (content.len() as u64).to_le_bytes().as_slice()].concat();
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_prevalidate_chunk_crcs(true)
+            .with_record_length_limit(content.len());
+        let (mut reader, mut rest) = (LinearReader::new_with_options(options), head.chain(content));
+        let mut records = Vec::new();
+        while let Some(event) = reader.next_event() {
+            match event? {
+                LinearReadEvent::ReadRequest(wanted) => {
+                    let count = rest.read(reader.insert(wanted))?;
+                    reader.notify_read(count);
+                }
+                LinearReadEvent::Record { opcode, data } => {
+                    records.push(mcap::parse_record(opcode, data)?.into_owned());
+                }
+            }
+        }
+        Ok(records)
+    });
+    catch_unwind(read).unwrap_or(Err(McapError::UnexpectedEof))
+}
