@@ -231,11 +231,13 @@ fn fine(mut t: Vec<f64>, out: &mut Timeline, findings: &mut Findings) {
     if t.windows(2).all(|w| w[1] > w[0]) {
         return steps(t, usual, out, findings);
     }
+    let reset = RESET_S.max(20.0 * usual);
+    findings.wild_stamps = mend_wild(&mut t, usual, reset);
     // Resets: go on one usual step after the last sample before it.
     let mut offset = 0.0;
     let mut previous = f64::NEG_INFINITY;
     for value in &mut t {
-        if previous - *value > RESET_S.max(20.0 * usual) {
+        if previous - *value > reset {
             offset += previous - *value + usual;
             findings.resets += 1;
         }
@@ -285,6 +287,21 @@ fn fine(mut t: Vec<f64>, out: &mut Timeline, findings: &mut Findings) {
         }
     }
     steps(t, usual, out, findings);
+}
+
+/// Puts single stamps between their neighbours, which follow each other, where they are further than `far` from both: a
+/// digit or a bit is wrong. Gives how many.
+fn mend_wild(t: &mut [f64], usual: f64, far: f64) -> usize {
+    let mut count = 0;
+    for k in 1..t.len().saturating_sub(1) {
+        let (before, here, after) = (t[k - 1], t[k], t[k + 1]);
+        let step = after - before;
+        if step > 0.0 && step < 3.5 * usual && (here - before).abs() > far && (here - after).abs() > far {
+            t[k] = before + 0.5 * step;
+            count += 1;
+        }
+    }
+    count
 }
 
 /// Median of the rising steps, s.
@@ -379,6 +396,24 @@ mod tests {
         let (_, findings) = run(t, Some(100.0), 3600.0);
         close(findings.rate_hz, 50.0, 1e-9);
         assert_eq!(findings.wraps, 1);
+    }
+
+    #[test]
+    fn single_wild_stamps_are_put_between_their_neighbours() {
+        let good: Vec<f64> = (0..1000).map(|i| f64::from(i) * 0.01).collect();
+        for wild in [799.0, -5e8, 1e300, -3.0] {
+            let mut t = good.clone();
+            (t[200], t[800]) = (wild, wild);
+            let (out, findings) = run(t, None, 0.0);
+            assert_eq!((findings.wild_stamps, findings.resets, findings.gap_count), (2, 0, 0), "{wild}");
+            assert!(out.time_s.iter().zip(&good).all(|(t, good)| (t - good).abs() < 1e-9), "{wild}");
+        }
+        // A clock that starts again, and a pause, are neither.
+        let mut t = good;
+        t[500..].iter_mut().for_each(|t| *t -= 4.0);
+        t[700..].iter_mut().for_each(|t| *t += 60.0);
+        let (_, findings) = run(t, None, 0.0);
+        assert_eq!((findings.wild_stamps, findings.resets, findings.gap_count), (0, 1, 1));
     }
 
     #[test]

@@ -101,6 +101,7 @@ pub(crate) fn merge(mut parts: Vec<Part>) -> Result<Part> {
         ));
     }
     out.findings.repeated_stamps += acc.findings.repeated_stamps;
+    out.findings.wild_stamps += acc.findings.wild_stamps;
     out.findings.resets += acc.findings.resets;
     let mut channels = acc.channels;
     channels.append(&mut out.channels);

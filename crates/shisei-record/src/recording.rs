@@ -90,6 +90,8 @@ pub struct Findings {
     pub repeated_rows: usize,
     /// Rows whose stamp lies before the previous one by less than a reset.
     pub backward_stamps: usize,
+    /// Single stamps far from those before and after, which follow each other.
+    pub wild_stamps: usize,
     /// Places where the clock or counter started again.
     pub resets: usize,
     /// Places where a counter of fixed width wrapped, undone.

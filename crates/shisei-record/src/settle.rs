@@ -437,6 +437,19 @@ fn time_notes(out: &mut Recording) {
             ),
         );
     }
+    if found.wild_stamps > 0 {
+        out.warn(
+            "wild-stamps",
+            format!(
+                "{} stamp(s) lie far from those before and after; they were put in the middle between them",
+                found.wild_stamps
+            ),
+            format!(
+                "前後の時刻から大きく外れた時刻が {} 個あります。前後の中間に置きました",
+                found.wild_stamps
+            ),
+        );
+    }
     if found.resets > 0 {
         out.warn(
             "resets",

@@ -362,15 +362,15 @@ fn headings(
     let mut start = first;
     while start > 0 && first - start < 5 {
         let Some((line, _)) = lines.get(start - 1) else { break };
-        if number::trim(line).is_empty() {
-            // A blank line between header and rows is passed once.
+        let seen = look(line, delimiter, decimal);
+        if is_aside(line, seen.cells, width) {
+            // One line without names is passed between header and rows.
             if start == first {
                 start -= 1;
                 continue;
             }
             break;
         }
-        let seen = look(line, delimiter, decimal);
         let wide = seen.cells + 2 >= width && seen.cells >= 2 || seen.cells * 4 >= width * 3;
         if !wide || seen.is_row() && seen.texts == 0 || declared_separator(line).is_some() {
             break;
@@ -380,18 +380,23 @@ fn headings(
     start..first
 }
 
+/// A blank line, or a remark that does not have the table's width.
+fn is_aside(line: &[u8], cells: usize, width: usize) -> bool {
+    let line = number::trim(line);
+    line.is_empty() || cells * 2 < width && matches!(line, [b'#' | b'%', ..] | [b'/', b'/', ..])
+}
+
 /// Tells header, units row and group rows apart.
 fn name_columns(sheet: &mut Sheet<'_>, lines: &[(&[u8], usize)], range: std::ops::Range<usize>) {
     let encoding = sheet.encoding;
+    let width = lines.get(range.end).map_or(0, |(line, _)| split(line, sheet.delimiter).len());
     let mut rows: Vec<Vec<String>> = lines
         .get(range)
         .unwrap_or_default()
         .iter()
-        .filter(|(line, _)| !number::trim(line).is_empty())
-        .map(|(line, _)| {
-            let cells = split(line, sheet.delimiter);
-            cells.iter().map(|c| encoding.decode(number::trim(c)).trim().to_owned()).collect()
-        })
+        .map(|(line, _)| (line, split(line, sheet.delimiter)))
+        .filter(|(line, cells)| !is_aside(line, cells.len(), width))
+        .map(|(_, cells)| cells.iter().map(|c| encoding.decode(number::trim(c)).trim().to_owned()).collect())
         .collect();
     for row in &mut rows {
         if let Some(cell) = row.first_mut() {

@@ -544,3 +544,26 @@ fn japanese_axes_before_the_quantity_and_full_width_letters() {
         check(&cells, [2, 3, 4, 5, 6, 7], 9.8, None);
     }
 }
+
+#[test]
+fn a_remark_between_header_and_rows_hides_no_name() {
+    let cells = [
+        ("t_ms", "ms"),
+        ("gx_deg_s", "w"),
+        ("gy_deg_s", "0"),
+        ("gz_deg_s", "0"),
+        ("ax_g", "0"),
+        ("ay_g", "0"),
+        ("az_g", "G"),
+    ];
+    let plain = table(&cells, 300);
+    let read =
+        |text: &str| open(&[Input { name: "a.csv", bytes: text.as_bytes() }], &Options::default()).unwrap();
+    let expected = read(&plain);
+    for remark in ["# sensor 7, left thigh", "% started late", "// no filter"] {
+        let found = read(&plain.replacen('\n', &format!("\n{remark}\n"), 1));
+        assert_eq!(found.gyro_rad_s, expected.gyro_rad_s, "{remark}");
+        assert_eq!(found.acc_m_s2, expected.acc_m_s2, "{remark}");
+        assert_eq!(found.time_s, expected.time_s, "{remark}");
+    }
+}

@@ -88,17 +88,26 @@ fn values_beyond_any_sensor_are_said() {
 #[test]
 fn one_wrong_stamp_is_pointed_at() {
     for stamp in [700.0, 1e300] {
-        let found = opened(
-            text(300, |k, row| {
-                if k == 200 {
+        let with_wrong = |at| {
+            let rows = text(300, |k, row| {
+                if k == at {
                     row[0] = stamp;
                 }
-            })
-            .as_bytes(),
+            });
+            opened(rows.as_bytes())
+        };
+        // One among others is put between its neighbours; the last has only one.
+        let found = with_wrong(200);
+        assert!(
+            found.warnings.iter().any(|note| note.code == "wild-stamps"),
+            "{stamp}: {:?}",
+            found.findings
         );
+        assert!((found.time_s[200] - 2.0).abs() < 1e-4 && found.findings.gap_count == 0, "{stamp}");
+        let found = with_wrong(299);
         let note = found.warnings.iter().find(|note| note.code == "one-long-gap");
         let note = note.unwrap_or_else(|| panic!("{stamp}: {:?}", found.findings));
-        assert!(note.sentence(Lang::En).contains("before sample 201,"), "{stamp}: {note:?}");
+        assert!(note.sentence(Lang::En).contains("before sample 300,"), "{stamp}: {note:?}");
     }
 }
 

@@ -147,6 +147,7 @@ fn as_json(source: &Source, inspection: &Inspection, lang: Lang) -> Value {
         "repeated_stamps": f.repeated_stamps,
         "repeated_rows": f.repeated_rows,
         "backward_stamps": f.backward_stamps,
+        "wild_stamps": f.wild_stamps,
         "resets": f.resets,
         "wraps": f.wraps,
         "clipped": f.clipped,
