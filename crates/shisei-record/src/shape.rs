@@ -9,8 +9,9 @@ use crate::number::{self, EIGHT_DIGITS, TEN, ZEROS, eight_digits, not_digits};
 const MOST: usize = 16;
 /// Bytes of a window before the place it is taken for: as many as are looked at end with the shortest number.
 const BEFORE: usize = MOST;
-/// Bytes of a window: what is before, eight that may be minuses of numbers before, and a number with its minus.
-const WINDOW: usize = 64;
+/// Bytes of a window: what is before, a minus, any length below twice the most (so that no place in it need be checked),
+/// and the byte after.
+const WINDOW: usize = BEFORE + 2 * MOST + 8;
 /// Wrong guesses after which a column is not guessed any more.
 const MISSES: u32 = 100;
 

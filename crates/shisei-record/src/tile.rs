@@ -9,6 +9,7 @@ pub(crate) const ROWS: usize = 32;
 const FEW: usize = 4;
 /// Rows that are left to others after a tile that was none; twice as many after the next.
 const PAUSE: usize = 64;
+
 /// Some rows, column by column.
 pub(crate) struct Tile {
     columns: Vec<Column>,

@@ -20,7 +20,7 @@ impl Vectors {
         #[cfg(target_arch = "x86_64")]
         {
             use std::arch::is_x86_feature_detected as has;
-            if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") && has!("popcnt") {
+            if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") {
                 if has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
                     return Vectors(Width::Avx512);
                 }
@@ -54,13 +54,13 @@ macro_rules! wide {
             fn plain<$($life,)* $($kind: $bound),*>($($arg: $type),*) $(-> $ret)? $body
 
             #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt")]
             fn avx2<$($life,)* $($kind: $bound),*>($($arg: $type),*) $(-> $ret)? {
                 plain($($arg),*)
             }
 
             #[cfg(target_arch = "x86_64")]
-            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,popcnt,avx512f,avx512dq,avx512vl,avx512bw")]
+            #[target_feature(enable = "avx2,bmi1,bmi2,lzcnt,avx512f,avx512dq,avx512vl,avx512bw")]
             fn avx512<$($life,)* $($kind: $bound),*>($($arg: $type),*) $(-> $ret)? {
                 plain($($arg),*)
             }
