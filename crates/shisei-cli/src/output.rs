@@ -41,10 +41,19 @@ pub enum Kind {
     Mcap,
     /// Another table: Allan curves, directions.
     Table,
+    /// The bytes of a receiver: never known to be ours.
+    Bytes,
 }
 
+/// Endings that promise a format, ours and others'.
+const PROMISES: &[&str] = &[
+    "bin", "csv", "txt", "tsv", "parquet", "html", "htm", "png", "svg", "jpg", "jpeg", "pdf", "json", "sto",
+    "mot", "glb", "gltf", "mcap", "xlsx", "xlsm", "xls", "ods", "mat", "npy", "npz", "h5", "gz", "zip",
+    "bz2", "xz", "zst",
+];
+
 impl Kind {
-    /// Endings that name what is written; a name without an ending does as well.
+    /// Endings that promise what is written.
     fn endings(self) -> &'static [&'static str] {
         match self {
             Kind::Orientation | Kind::Recording => &["csv", "parquet", "txt"],
@@ -57,7 +66,16 @@ impl Kind {
             Kind::Mot => &["mot"],
             Kind::Glb => &["glb"],
             Kind::Mcap => &["mcap"],
+            Kind::Bytes => &["bin"],
         }
+    }
+
+    /// Whether a file's name promises another format.
+    fn is_promised_otherwise(self, path: &Path) -> bool {
+        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+        ending.is_some_and(|ending| {
+            PROMISES.contains(&ending.as_str()) && !self.endings().contains(&ending.as_str())
+        })
     }
 
     fn is_ours(self, head: &[u8]) -> bool {
@@ -72,7 +90,7 @@ impl Kind {
                 head.starts_with(b"axis,tau_s,deviation,") || head.starts_with(b"gyr_x,gyr_y,gyr_z,sigma_x,")
             }
             Kind::Fused => head.starts_with(b"frame,time_s,p_x,p_y,p_z,q_w,q_x,q_y,q_z,source,gap_s,"),
-            Kind::Motive => false,
+            Kind::Motive | Kind::Bytes => false,
             Kind::Sto => head.starts_with(b"DataRate=") && has("DataType=Quaternion"),
             Kind::Mot => has("inDegrees=yes") && has("_tx\t"),
             Kind::Glb => head.starts_with(b"glTF") && has("\"generator\":\"shisei"),
@@ -143,8 +161,7 @@ impl Writer {
         }
         let lang = self.lang;
         let shown = path.display();
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        if !path.is_dir() && ending.is_some_and(|ending| !kind.endings().contains(&ending.as_str())) {
+        if !path.is_dir() && kind.is_promised_otherwise(path) {
             let endings = kind.endings().iter().map(|ending| format!(".{ending}")).collect::<Vec<_>>();
             return Err(Failure::input(say(
                 lang,

@@ -103,7 +103,7 @@ fn to_file(path: &Path, settings: Settings, duration_s: f64, lang: Lang) -> Outc
     }
     // what may not be overwritten has been refused above
     let writer = Writer::new(true, lang, []);
-    writer.write(path, Kind::Table, |out| out.write_all(&bytes))?;
+    writer.write(path, Kind::Bytes, |out| out.write_all(&bytes))?;
     eprintln!("→ {shown}");
     Ok(())
 }
