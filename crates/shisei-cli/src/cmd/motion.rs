@@ -5,13 +5,12 @@ use std::path::PathBuf;
 
 use serde_json::json;
 use shisei_core::filter::Dt;
+use shisei_core::motion::Scheme;
 use shisei_core::motion::foot::{FootSettings, foot};
-use shisei_core::motion::navigation::{NavigationSettings, Phase, Track, navigate};
-use shisei_core::motion::rest_to_rest::{
-    MIN_REST_S, RestToRestSettings, check_rests, find_quiet_rests, rest_phases, rest_to_rest,
-};
-use shisei_core::motion::{DeadReckoning, Scheme};
-use shisei_core::{Error, Lang, Quaternion, Vec3, math, rest, vector};
+use shisei_core::motion::navigation::{NavigationSettings, Phase, Track};
+use shisei_core::motion::rest_to_rest::{RestToRestSettings, rest_to_rest};
+use shisei_core::motion::step_by_step::{StepByStepSettings, step_by_step};
+use shisei_core::{Error, Lang, Vec3, vector};
 use shisei_record::Recording;
 use shisei_report::column::Column;
 use shisei_report::figure::{Figure, Item};
@@ -158,45 +157,23 @@ fn track(args: &Motion, recording: &Recording, end: Option<(Vec3, f64)>) -> Resu
             let max_without_rest_s = limit(usual.max_without_rest_s);
             foot(acc, gyro, dt, &FootSettings { navigation, max_without_rest_s, ..usual })
         }
-        MotionMode::Naive => naive(args, recording, limit(RestToRestSettings::default().max_without_rest_s)),
+        MotionMode::Naive => {
+            let usual = StepByStepSettings::default();
+            let scheme = match args.scheme {
+                Some(SchemeName::SemiImplicit) => Scheme::SemiImplicit,
+                Some(SchemeName::Euler) => Scheme::Euler,
+                Some(SchemeName::Trapezoid) => Scheme::Trapezoid,
+                None => usual.scheme,
+            };
+            let max_without_rest_s = limit(usual.max_without_rest_s);
+            step_by_step(
+                acc,
+                gyro,
+                dt,
+                &StepByStepSettings { scheme, gravity_m_s2: args.gravity, max_without_rest_s },
+            )
+        }
     }
-}
-
-/// The note's way: bias, gravity and attitude from the first rest, then step by step. The band is that of the
-/// navigator left to itself after that rest.
-fn naive(args: &Motion, recording: &Recording, limit_s: f64) -> Result<Track, Error> {
-    let (acc, gyro) = (&recording.acc_m_s2, &recording.gyro_rad_s);
-    let dt = Dt::PerSample(&recording.dt_s);
-    let rests = find_quiet_rests(acc, gyro, dt)?;
-    let first = rests.first().ok_or(Error::NoRest { needed_s: MIN_REST_S })?;
-    let phases = rest_phases(acc, gyro, dt, std::slice::from_ref(first), 0.2);
-    check_rests(&phases, dt, MIN_REST_S, limit_s)?;
-    let navigation = NavigationSettings { gravity_m_s2: args.gravity, ..NavigationSettings::default() };
-    let mut track = navigate(acc, gyro, dt, &phases, &navigation)?;
-    let at_rest: Vec<usize> = (0..phases.len()).filter(|k| phases[*k] == Phase::Rest).collect();
-    let (Some(&start), Some(&stop)) = (at_rest.first(), at_rest.last()) else {
-        return Err(Error::NoRest { needed_s: MIN_REST_S });
-    };
-    let up = rest::mean(&acc[start..=stop])?;
-    let gravity = rest::mean_norm(&acc[start..=stop])?;
-    let q = Quaternion::from_ypr(shisei_core::Ypr {
-        yaw_rad: 0.0,
-        pitch_rad: math::atan2(-up[0], math::hypot(up[1], up[2])),
-        roll_rad: math::atan2(up[1], up[2]),
-    });
-    let scheme = match args.scheme.unwrap_or(SchemeName::SemiImplicit) {
-        SchemeName::SemiImplicit => Scheme::SemiImplicit,
-        SchemeName::Euler => Scheme::Euler,
-        SchemeName::Trapezoid => Scheme::Trapezoid,
-    };
-    let mut dead = DeadReckoning::new(q, rest::gyro_bias(&gyro[start..=stop])?, gravity, scheme)?;
-    for k in 0..acc.len() {
-        let state = if k <= stop { dead.state() } else { dead.update(gyro[k], acc[k], dt.at(k)) };
-        track.velocity_m_s[k] = state.velocity_m_s;
-        track.position_m[k] = state.position_m;
-        track.world_from_body[k] = state.world_from_body;
-    }
-    Ok(track)
 }
 
 fn path_length(track: &Track) -> f64 {

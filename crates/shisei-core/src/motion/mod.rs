@@ -8,5 +8,7 @@ pub mod foot;
 pub mod navigation;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;
+#[cfg(feature = "alloc")]
+pub mod step_by_step;
 
 pub use dead_reckoning::{DeadReckoning, MotionState, Scheme};
