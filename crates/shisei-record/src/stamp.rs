@@ -36,7 +36,7 @@ pub(crate) fn looks_like(text: &[u8]) -> bool {
     text.len() >= 4
         && text.len() <= 48
         && text.first().is_some_and(u8::is_ascii_digit)
-        && text.contains(&b':')
+        && (text.contains(&b':') || !text.is_ascii())
         && parse(text).is_some()
         || text.len() >= 15 && text.first().is_some_and(u8::is_ascii_digit) && parse(text).is_some()
 }
@@ -70,10 +70,45 @@ fn whole(text: &[u8]) -> Option<i64> {
     text.iter().try_fold(0i64, |n, b| Some(n * 10 + i64::from(b.checked_sub(b'0').filter(|d| *d < 10)?)))
 }
 
+/// Signs of a Japanese date, in UTF-8 and in Shift_JIS, and what stands for them elsewhere.
+const JAPANESE: [(&[u8], &[u8], &[u8]); 6] = [
+    ("年".as_bytes(), b"\x94\x4E", b"-"),
+    ("月".as_bytes(), b"\x8C\x8E", b"-"),
+    ("日".as_bytes(), b"\x93\xFA", b" "),
+    ("時".as_bytes(), b"\x8E\x9E", b":"),
+    ("分".as_bytes(), b"\x95\xAA", b":"),
+    ("秒".as_bytes(), b"\x95\x62", b""),
+];
+
+/// A stamp with Japanese signs as one without.
+fn without_japanese(text: &[u8]) -> Vec<u8> {
+    let (mut plain, mut rest) = (Vec::with_capacity(text.len()), text);
+    'signs: while let Some((first, after)) = rest.split_first() {
+        for (utf8, shift_jis, instead) in JAPANESE {
+            if let Some(after) = rest.strip_prefix(utf8).or_else(|| rest.strip_prefix(shift_jis)) {
+                plain.extend_from_slice(instead);
+                rest = after;
+                continue 'signs;
+            }
+        }
+        plain.push(*first);
+        rest = after;
+    }
+    plain
+}
+
 /// Reads a stamp: `2024-05-01 10:31:27.812`, `2024/05/01T10:31:27,812+09:00`, `05/01/2024 10:31:27 PM`,
-/// `20240501_103127_812`, `2021-08-20_20:21:13_804`, `10:31:27.812`, `10:31:27:812`, `31:27.8`.
+/// `20240501_103127_812`, `2021-08-20_20:21:13_804`, `10:31:27.812`, `10:31:27:812`, `31:27.8`,
+/// `2024年5月1日 10時31分27.812秒` (also in Shift_JIS).
 pub fn parse(text: &[u8]) -> Option<Stamp> {
-    if text.len() > 48 || !text.is_ascii() || !text.first().is_some_and(u8::is_ascii_digit) {
+    if text.len() > 48 || !text.first().is_some_and(u8::is_ascii_digit) {
+        return None;
+    }
+    if text.is_ascii() { parse_ascii(text) } else { parse_ascii(&without_japanese(text)) }
+}
+
+fn parse_ascii(text: &[u8]) -> Option<Stamp> {
+    if !text.is_ascii() {
         return None;
     }
     let mut date = 0i64;
@@ -240,13 +275,34 @@ mod tests {
         check("10:31:27:812", 37_887.812, Cycle::Day);
         check("31:27.8", 1_887.8, Cycle::Hour);
         check("00:00.1", 0.1, Cycle::Hour);
+        check("2021年7月30日 13:28:54.25", 1_627_651_734.25, Cycle::None);
+        check("2021年07月30日13時28分54秒", 1_627_651_734.0, Cycle::None);
+        check("13時28分54.5秒", 48_534.5, Cycle::Day);
+    }
+
+    #[test]
+    fn a_japanese_date_in_shift_jis() {
+        let text = "2021年7月30日13時28分54.25秒";
+        let (bytes, _, _) = encoding_rs::SHIFT_JIS.encode(text);
+        assert_eq!(parse(&bytes), parse(text.as_bytes()));
+        assert!(parse(&bytes).is_some());
     }
 
     #[test]
     fn not_stamps() {
-        for text in
-            ["", ":", "1:2:3:4:5", "12.5", "abc", "99-99-9999", "1:99", "2021-13-40 10:00:00", "-1:00"]
-        {
+        for text in [
+            "",
+            ":",
+            "1:2:3:4:5",
+            "12.5",
+            "abc",
+            "99-99-9999",
+            "1:99",
+            "2021-13-40 10:00:00",
+            "-1:00",
+            "3月",
+            "5秒",
+        ] {
             assert_eq!(parse(text.as_bytes()), None, "{text}");
         }
     }

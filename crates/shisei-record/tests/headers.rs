@@ -567,3 +567,23 @@ fn a_remark_between_header_and_rows_hides_no_name() {
         assert_eq!(found.time_s, expected.time_s, "{remark}");
     }
 }
+
+#[test]
+fn japanese_dates_in_either_encoding() {
+    let cells =
+        [("時刻", "和"), ("ax", "0"), ("ay", "0"), ("az", "M"), ("gx", "0"), ("gy", "0"), ("gz", "0")];
+    let plain = table(&cells, 300);
+    let mut parts = plain.split('和');
+    let mut dated = parts.next().unwrap().to_owned();
+    for (row, part) in parts.enumerate() {
+        dated += &format!("2026年11月29日 9時59分{:05.2}秒{part}", row as f64 * 0.01);
+    }
+    let shift_jis = encoding_rs::SHIFT_JIS.encode(&dated).0.into_owned();
+    for bytes in [dated.as_bytes(), &shift_jis] {
+        let recording = open(&[Input { name: "記録.csv", bytes }], &Options::default()).unwrap();
+        assert_eq!(recording.len(), 300);
+        assert!((recording.time_s[299] - 2.99).abs() < 1e-9);
+        // `date -u -d "2026-11-29 09:59:00" +%s`
+        assert_eq!(recording.start_unix_s, Some(1_795_946_340.0));
+    }
+}
