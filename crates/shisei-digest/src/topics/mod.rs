@@ -73,6 +73,7 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "motion/error_state", run: navigation::error_state },
     Topic { name: "motion/navigation", run: navigation::navigate },
     Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
+    Topic { name: "motion/step_by_step", run: navigation::step_by_step },
     Topic { name: "earth", run: motion::earth },
     Topic { name: "earth/mean", run: motion::earth_mean },
     Topic { name: "estimator/online", run: estimator::online },

@@ -6,6 +6,7 @@ use shisei_core::filter::Dt;
 use shisei_core::motion::error_state::{self, Adjoint, Covariance, ProcessNoise, STATES, Step};
 use shisei_core::motion::navigation::{self, NavigationSettings, Phase, Track};
 use shisei_core::motion::rest_to_rest::{self, RestToRestSettings};
+use shisei_core::motion::step_by_step::{self, StepByStepSettings};
 
 use crate::hash::Digest;
 use crate::input::{Input, Recording, recording};
@@ -51,16 +52,28 @@ pub fn navigate(digest: &mut Digest) {
     digest.push_result(found, |digest, track| push_track(digest, &track));
 }
 
-pub fn rest_to_rest(digest: &mut Digest) {
-    // the movement is cut short: 60 of its 320 rows
+/// The movement is cut short: 60 of its 320 rows.
+fn short_movement() -> Recording {
     let mut made = recording(72, 700);
     for column in [&mut made.gyro_rad_s, &mut made.acc_m_s2] {
         column.drain(252..512);
     }
     made.dt_s.drain(252..512);
+    made
+}
+
+pub fn rest_to_rest(digest: &mut Digest) {
+    let made = short_movement();
     let settings = RestToRestSettings::default();
     let dt = Dt::PerSample(&made.dt_s);
     let found = rest_to_rest::rest_to_rest(&made.acc_m_s2, &made.gyro_rad_s, dt, &settings);
+    digest.push_result(found, |digest, track| push_track(digest, &track));
+}
+
+pub fn step_by_step(digest: &mut Digest) {
+    let made = short_movement();
+    let (settings, dt) = (StepByStepSettings::default(), Dt::PerSample(&made.dt_s));
+    let found = step_by_step::step_by_step(&made.acc_m_s2, &made.gyro_rad_s, dt, &settings);
     digest.push_result(found, |digest, track| push_track(digest, &track));
 }
 
