@@ -145,7 +145,8 @@ mod tests {
     #[test]
     fn a_torn_recording_is_played_and_that_is_said() {
         let file = recording();
-        let what = given(Replay::new("take", &file[..file.len() / 2], 0.0).unwrap());
+        // The second half of so short a recording repeats what the first says.
+        let what = given(Replay::new("take", &file[..file.len() / 3], 0.0).unwrap());
         assert!(what.iter().any(|what| matches!(what, What::Note(note) if note.en.contains("was cut"))));
         assert!(what.contains(&What::Serial(vec![1, 2, 0])) && what.contains(&What::End));
         let whole = given(Replay::new("take", &file, 0.0).unwrap());
