@@ -53,7 +53,11 @@ const url = await hub.listen();
   await page.click("#bodies .row >> nth=0");
   await soon("the graph is drawn", () => page.evaluate(() => {
     const canvas = document.getElementById("graph");
-    const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+    // a copy: the browser complains where one that is drawn on is read again and again
+    const copy = Object.assign(document.createElement("canvas"), { width: canvas.width, height: canvas.height });
+    const pen = copy.getContext("2d", { willReadFrequently: true });
+    pen.drawImage(canvas, 0, 0);
+    const { data } = pen.getImageData(0, 0, copy.width, copy.height);
     let count = 0;
     for (let k = 3; k < data.length; k += 4) if (data[k] > 200) count++;
     return count > 800;
