@@ -231,6 +231,14 @@ fn fine(mut t: Vec<f64>, out: &mut Timeline, findings: &mut Findings) {
     if t.windows(2).all(|w| w[1] > w[0]) {
         return steps(t, usual, out, findings);
     }
+    let falling = t.windows(2).filter(|w| w[1] < w[0]).count();
+    if 10 * falling > 9 * (rows - 1) {
+        out.warnings.push(Note::new(
+            "rows-reversed",
+            "the time falls from row to row: the rows seem to be in reverse order; sort them by time".into(),
+            "時刻が行ごとに減っています。行の並びが逆のようです。時刻の順に並べ替えてください".into(),
+        ));
+    }
     let reset = RESET_S.max(20.0 * usual);
     findings.wild_stamps = mend_wild(&mut t, usual, reset);
     // Resets: go on one usual step after the last sample before it.
@@ -414,6 +422,17 @@ mod tests {
         t[700..].iter_mut().for_each(|t| *t += 60.0);
         let (_, findings) = run(t, None, 0.0);
         assert_eq!((findings.wild_stamps, findings.resets, findings.gap_count), (0, 1, 1));
+    }
+
+    #[test]
+    fn rows_in_reverse_order_are_called_that() {
+        for step in [0.01, 2.0] {
+            let t = (0..300).rev().map(|i| f64::from(i) * step).collect();
+            let (out, _) = run(t, None, 0.0);
+            assert!(out.warnings.iter().any(|note| note.code == "rows-reversed"));
+        }
+        let (out, _) = run((0..300).map(|i| f64::from(i % 100) * 0.01).collect(), None, 0.0);
+        assert!(out.warnings.is_empty());
     }
 
     #[test]
