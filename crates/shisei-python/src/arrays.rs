@@ -1,5 +1,7 @@
 //! NumPy arrays as slices of rows, and back.
 
+use std::borrow::Cow;
+
 use crate::errors::ShapeError;
 use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
@@ -42,5 +44,13 @@ impl Step<'_> {
                 Ok(Dt::PerSample(slice))
             }
         }
+    }
+
+    /// A step for each of so many rows.
+    pub fn per_row(&self, rows: usize) -> PyResult<Cow<'_, [f64]>> {
+        Ok(match self.dt()? {
+            Dt::PerSample(dt_s) => Cow::Borrowed(dt_s),
+            Dt::Constant(dt_s) => Cow::Owned(vec![dt_s; rows]),
+        })
     }
 }

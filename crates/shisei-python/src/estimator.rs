@@ -84,14 +84,8 @@ pub fn estimate<'py>(
         gravity_m_s2,
         sensor,
     };
-    let steps;
-    let dt = match dt_s.dt()? {
-        Dt::PerSample(dt) => dt,
-        Dt::Constant(dt) => {
-            steps = vec![dt; gyro.len()];
-            &steps
-        }
-    };
+    let steps = dt_s.per_row(gyro.len())?;
+    let dt = &*steps;
     let found = py
         .detach(|| {
             let Some(correct) = correct else {

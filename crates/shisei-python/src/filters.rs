@@ -143,14 +143,8 @@ pub fn doubts<'py>(
     dt_s: Step<'py>,
 ) -> PyResult<Vec<String>> {
     let (acc, gyro) = (rows::<3>(&acc_m_s2, "acc_m_s2")?, rows::<3>(&gyro_rad_s, "gyro_rad_s")?);
-    let steps;
-    let dt = match dt_s.dt()? {
-        Dt::PerSample(dt) => dt,
-        Dt::Constant(dt) => {
-            steps = vec![dt; gyro.len()];
-            &steps
-        }
-    };
+    let steps = dt_s.per_row(gyro.len())?;
+    let dt = &*steps;
     let lang = user_lang();
     let notes = py.detach(|| shisei_record::doubts(acc, gyro, dt));
     Ok(notes.iter().map(|note| note.sentence(lang).to_owned()).collect())
@@ -193,14 +187,8 @@ pub fn orient<'py>(
     };
     let settings =
         Settings { method, rest, relative: Relative::None, forward_axis_body, gravity_m_s2, sensor: None };
-    let steps;
-    let dt = match dt_s.dt()? {
-        Dt::PerSample(dt) => dt,
-        Dt::Constant(dt) => {
-            steps = vec![dt; gyro.len()];
-            &steps
-        }
-    };
+    let steps = dt_s.per_row(gyro.len())?;
+    let dt = &*steps;
     let found = py
         .detach(|| whole::orient_with(acc, gyro, dt, &settings, &SideBySide))
         .map_err(|error| exception("orient", error))?;

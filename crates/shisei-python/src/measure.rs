@@ -10,7 +10,6 @@ use shisei_core::earth::Weights;
 use shisei_core::earth::analysis::{Believed, analyse};
 use shisei_core::earth::direction::{Direction, summarise};
 use shisei_core::earth::fits::Measured;
-use shisei_core::filter::Dt;
 use shisei_core::motion::foot::{self, FootSettings};
 use shisei_core::motion::navigation::{NavigationSettings, Phase, Track};
 use shisei_core::motion::rest_to_rest::{self, RestToRestSettings};
@@ -135,14 +134,8 @@ pub fn mean_rate<'py>(
     if let Some(row) = acc.iter().position(|a| a.iter().any(|x| !x.is_finite())) {
         return Err(refuse(Error::NotFinite { row }));
     }
-    let steps;
-    let dt = match dt_s.dt()? {
-        Dt::PerSample(dt) => dt,
-        Dt::Constant(dt) => {
-            steps = vec![dt; gyro.len()];
-            &steps
-        }
-    };
+    let steps = dt_s.per_row(gyro.len())?;
+    let dt = &*steps;
     let weights = if as_measured { Weights::AsMeasured } else { Weights::Capped };
     let found = py.detach(|| summarise(gyro, acc, &[], dt, weights)).map_err(refuse)?;
     let result = PyDict::new(py);

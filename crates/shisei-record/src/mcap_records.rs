@@ -64,7 +64,7 @@ fn split(bytes: &[u8]) -> Option<(u8, &[u8], &[u8])> {
     Some((*kind, content, rest))
 }
 
-/// The records of a chunk, if all of it is right.
+/// The records of a chunk, if all of it is right. The decoder's own reader of chunks bounds no record's length.
 fn chunk(content: &[u8]) -> Result<Vec<Record<'static>>, McapError> {
     // The decoder is not ours: where it panics, the chunk is damaged.
     let read = AssertUnwindSafe(|| {

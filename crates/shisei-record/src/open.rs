@@ -556,18 +556,17 @@ const LEAST_STEP_S: f64 = 2e-5;
 /// The unit of a time column without one, from its start and its usual step; `None` for a mere counter.
 fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
     use crate::units::{MICROSECOND, MILLISECOND, NANOSECOND};
+    let step = clock::usual_step(raw);
     for (low, high, unit) in [
         (0.9e9, 4.0e9, SECOND),
         (0.9e12, 4.0e12, MILLISECOND),
         (0.9e15, 4.0e15, MICROSECOND),
         (0.9e18, 4.0e18, NANOSECOND),
     ] {
-        let step = clock::usual_step(raw);
         if (low..high).contains(&origin) && (unit != SECOND || step < 5.0) {
             return Some((unit, "it counts from 1970"));
         }
     }
-    let step = clock::usual_step(raw);
     // A spreadsheet's date: days since 1900, with the time of day behind the point.
     if (20_000.0..80_000.0).contains(&origin) && 0.0 < step && step < LEAST_STEP_S {
         return Some((units::DAY, "a spreadsheet's dates are days"));

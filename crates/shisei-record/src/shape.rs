@@ -128,11 +128,9 @@ impl Shape {
     pub fn take(&mut self, text: &[u8], at: usize, after: u8) -> Option<(Taken, usize)> {
         let window = window(text, at).filter(|_| self.length > 0)?;
         let negative = usize::from(window[BEFORE] == b'-');
-        let end = BEFORE + negative + self.length();
-        if window[end] == after {
-            return Some((self.taken(window, end, negative as u64), at - BEFORE + end));
+        if window[BEFORE + negative + self.length()] != after && !self.measure(text, at, after) {
+            return None;
         }
-        self.measure(text, at, after).then_some(())?;
         let end = BEFORE + negative + self.length();
         Some((self.taken(window, end, negative as u64), at - BEFORE + end))
     }

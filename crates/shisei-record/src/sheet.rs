@@ -358,7 +358,7 @@ fn headings(
     delimiter: Delimiter,
     decimal: u8,
 ) -> std::ops::Range<usize> {
-    let width = lines.get(first).map_or(0, |(l, _)| look(l, delimiter, decimal).cells);
+    let width = cells_of(lines, first, delimiter, decimal);
     let mut start = first;
     while start > 0 && first - start < 5 {
         let Some((line, _)) = lines.get(start - 1) else { break };
@@ -380,6 +380,11 @@ fn headings(
     start..first
 }
 
+/// Cells of a line.
+fn cells_of(lines: &[(&[u8], usize)], line: usize, delimiter: Delimiter, decimal: u8) -> usize {
+    lines.get(line).map_or(0, |(line, _)| look(line, delimiter, decimal).cells)
+}
+
 /// A blank line, or a remark that does not have the table's width.
 fn is_aside(line: &[u8], cells: usize, width: usize) -> bool {
     let line = number::trim(line);
@@ -389,7 +394,7 @@ fn is_aside(line: &[u8], cells: usize, width: usize) -> bool {
 /// Tells header, units row and group rows apart.
 fn name_columns(sheet: &mut Sheet<'_>, lines: &[(&[u8], usize)], range: std::ops::Range<usize>) {
     let encoding = sheet.encoding;
-    let width = lines.get(range.end).map_or(0, |(line, _)| split(line, sheet.delimiter).len());
+    let width = cells_of(lines, range.end, sheet.delimiter, sheet.decimal);
     let mut rows: Vec<Vec<String>> = lines
         .get(range)
         .unwrap_or_default()
