@@ -28,14 +28,11 @@ impl Outgoing {
         Outgoing { file, collected: Vec::new(), written: 0, room: LONG }
     }
 
-    /// Writes what was collected and gives back the room that was not needed. The system begins to bring the file to
-    /// the disk: one that is to take the place of another should not be there only by name for long.
+    /// Writes what was collected and gives back the room that was not needed.
     pub fn finish(mut self) -> io::Result<NamedTempFile> {
         self.flush()?;
         if self.room > LONG {
             self.file.as_file().set_len(self.written)?;
-            #[cfg(target_os = "linux")]
-            let _ = rustix::fs::fadvise(self.file.as_file(), 0, None, rustix::fs::Advice::DontNeed);
         }
         Ok(self.file)
     }

@@ -83,15 +83,19 @@ pub fn orientation(
     }
     match format {
         Format::Csv => {
-            let mut next = |out: &mut [f64]| rows.next(out);
-            let mut made = Made { rows: recording.len(), columns: Rows::COLUMNS, next: &mut next };
+            let mut next = |out: &mut [f64], length: usize| rows.next(out, length);
+            let mut made = Made { rows: recording.len(), columns: COLUMNS, next: &mut next };
             write::csv_made(out, &names, (&before, &mut made, &after), Decimals::Shortest)?;
         }
         Format::Parquet => {
-            let mut made = vec![0.0; recording.len() * Rows::COLUMNS];
-            rows.next(&mut made);
+            let mut made = vec![0.0; recording.len() * COLUMNS];
+            rows.next(&mut made, COLUMNS);
             let mut columns = before.to_vec();
-            columns.extend(made.chunks(recording.len().max(1)).map(Column::Numbers));
+            columns.extend((0..COLUMNS).map(|offset| Column::Strided {
+                values: &made,
+                stride: COLUMNS,
+                offset,
+            }));
             columns.extend(after);
             let mut bytes = Vec::new();
             shisei_record::parquet_write::parquet(&mut bytes, &names, &columns)?;
@@ -103,6 +107,9 @@ pub fn orientation(
 
 /// Least and greatest yaw, pitch, roll, rad.
 pub type AngleRanges = [(f64, f64); 3];
+
+/// `q_w … q_z, yaw, pitch, roll`
+const COLUMNS: usize = 7;
 
 /// Attitudes and angles, row after row.
 struct Rows<'a, 'b> {
@@ -116,9 +123,6 @@ struct Rows<'a, 'b> {
 }
 
 impl<'a, 'b> Rows<'a, 'b> {
-    /// `q_w … q_z, yaw, pitch, roll`
-    const COLUMNS: usize = 7;
-
     fn of(found: &'a Orientation, later: &'a mut Later<'b>, per_rad: f64) -> Self {
         let chunk = Orientation {
             world_from_body: Vec::new(),
@@ -133,31 +137,23 @@ impl<'a, 'b> Rows<'a, 'b> {
         Rows { found, later, chunk, per_rad, ranges, failed: None }
     }
 
-    /// The next rows, column after column.
-    fn next(&mut self, out: &mut [f64]) {
-        let count = out.len() / Self::COLUMNS;
-        self.chunk.world_from_body.resize(count, Quaternion::IDENTITY);
+    /// The next rows, each at the beginning of a part of `out` of the given length.
+    fn next(&mut self, out: &mut [f64], length: usize) {
+        self.chunk.world_from_body.resize(out.len().div_ceil(length), Quaternion::IDENTITY);
         if let Err(error) = self.later.next(self.found, &mut self.chunk.world_from_body) {
             self.failed.get_or_insert(error);
         }
         let ypr_rad = Vectors::widest().ypr_rad(&self.chunk);
-        let mut columns = out.chunks_exact_mut(count.max(1));
-        for part in 0..4 {
-            let column = columns.next().unwrap_or_default();
-            for (value, q) in column.iter_mut().zip(&self.chunk.world_from_body) {
-                *value = q.to_array()[part];
+        let rows = out.chunks_mut(length).filter_map(|row| row.first_chunk_mut::<COLUMNS>());
+        let mut ranges = self.ranges;
+        for ((row, q), ypr) in rows.zip(&self.chunk.world_from_body).zip(&ypr_rad) {
+            row[..4].copy_from_slice(&q.to_array());
+            for ((place, rad), (least, most)) in row[4..].iter_mut().zip(ypr).zip(&mut ranges) {
+                *least = if rad < least { *rad } else { *least };
+                *most = if rad > most { *rad } else { *most };
+                *place = rad * self.per_rad;
             }
         }
-        for (angle, range) in self.ranges.iter_mut().enumerate() {
-            let column = columns.next().unwrap_or_default();
-            let (mut least, mut most) = *range;
-            for (value, ypr) in column.iter_mut().zip(&ypr_rad) {
-                let rad = ypr[angle];
-                least = if rad < least { rad } else { least };
-                most = if rad > most { rad } else { most };
-                *value = rad * self.per_rad;
-            }
-            *range = (least, most);
-        }
+        self.ranges = ranges;
     }
 }

@@ -8,6 +8,8 @@ pub(crate) enum Width {
     Plain,
     Avx2,
     Avx512,
+    /// With instructions that move bytes.
+    Avx512Vbmi2,
 }
 
 /// Vectors that this processor has.
@@ -22,7 +24,9 @@ impl Vectors {
             use std::arch::is_x86_feature_detected as has;
             if has!("avx2") && has!("bmi1") && has!("bmi2") && has!("lzcnt") {
                 if has!("avx512f") && has!("avx512dq") && has!("avx512vl") && has!("avx512bw") {
-                    return Vectors(Width::Avx512);
+                    let bytes =
+                        has!("avx512cd") && has!("avx512vbmi") && has!("avx512vbmi2") && has!("popcnt");
+                    return Vectors(if bytes { Width::Avx512Vbmi2 } else { Width::Avx512 });
                 }
                 return Vectors(Width::Avx2);
             }
@@ -34,7 +38,8 @@ impl Vectors {
     #[cfg(test)]
     pub fn all() -> impl Iterator<Item = Vectors> {
         let widest = Vectors::widest().0;
-        [Width::Plain, Width::Avx2, Width::Avx512].into_iter().filter(move |w| *w <= widest).map(Vectors)
+        let all = [Width::Plain, Width::Avx2, Width::Avx512, Width::Avx512Vbmi2];
+        all.into_iter().filter(move |w| *w <= widest).map(Vectors)
     }
 
     pub fn width(self) -> Width {
@@ -71,7 +76,7 @@ macro_rules! wide {
                 $crate::wide::Width::Avx2 => unsafe { avx2($($arg),*) },
                 // SAFETY: as above.
                 #[cfg(target_arch = "x86_64")]
-                $crate::wide::Width::Avx512 => unsafe { avx512($($arg),*) },
+                $crate::wide::Width::Avx512 | $crate::wide::Width::Avx512Vbmi2 => unsafe { avx512($($arg),*) },
                 _ => plain($($arg),*),
             }
         }

@@ -1,6 +1,8 @@
 //! Writing our columns: CSV with the shortest decimals that read back to the same bits, or with a fixed
 //! number of decimals.
 
+#[cfg(target_arch = "x86_64")]
+mod compress;
 mod decimal;
 mod digits;
 mod page;
@@ -33,6 +35,18 @@ const WINDOW: usize = 40;
 
 /// A way of writing numbers: some are made ready together, then put into place one by one.
 trait Style: Default + Send {
+    /// Writes numbers, each with the byte after it, and gives the length of the text; nothing where they are to be made
+    /// ready first.
+    #[inline(always)]
+    fn put_all(
+        _: Vectors,
+        _values: &[f64; digits::TILE],
+        _after: &[u8; digits::TILE],
+        _out: &mut [u8; digits::TILE * WINDOW],
+    ) -> Option<usize> {
+        None
+    }
+
     /// Makes numbers ready.
     fn prepare(&mut self, values: &[f64; digits::TILE]);
 
@@ -137,9 +151,9 @@ pub struct Made<'a> {
     pub rows: usize,
     /// How many numbers a row.
     pub columns: usize,
-    /// Fills in the next rows, column after column: as many rows as there are places for. It is called for rows in
-    /// ascending order, by the caller's thread.
-    pub next: &'a mut dyn FnMut(&mut [f64]),
+    /// Fills in the next rows, in ascending order, by the caller's thread: `columns` numbers at the beginning of each
+    /// part of the given length, of which the last may be shorter.
+    pub next: &'a mut dyn FnMut(&mut [f64], usize),
 }
 
 impl std::fmt::Debug for Made<'_> {
@@ -156,7 +170,7 @@ pub fn csv(
     columns: &[Column<'_>],
     decimals: Decimals,
 ) -> io::Result<()> {
-    let mut made = Made { rows: 0, columns: 0, next: &mut |_| {} };
+    let mut made = Made { rows: 0, columns: 0, next: &mut |_, _| {} };
     csv_made(sink, names, (columns, &mut made, &[]), decimals)
 }
 
@@ -250,14 +264,34 @@ mod tests {
         assert_eq!(out, b"kept,2.5");
     }
 
+    fn random() -> impl FnMut() -> u64 {
+        let mut seed = 1u64;
+        move || {
+            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            seed >> 11
+        }
+    }
+
+    /// Every width writes the text that is made number by number.
+    fn the_same_text(numbers: &[f64], decimals: Decimals) {
+        let mut expected = String::new();
+        for number in numbers {
+            expected += &text(*number, decimals);
+            expected.push('\n');
+        }
+        for vectors in Vectors::all() {
+            let mut out = Vec::new();
+            let mut made = Made { rows: 0, columns: 0, next: &mut |_, _| {} };
+            let columns: (&[Column<'_>], _, &[Column<'_>]) = (&[Column::Numbers(numbers)], &mut made, &[]);
+            table::write(vectors, &mut out, b"", columns, decimals).unwrap();
+            assert!(out == expected.as_bytes(), "{vectors:?} {decimals:?}");
+        }
+    }
+
     /// Numbers of every size, sign and length, and some that go the long way, in as many rows as do not fill a tile.
     #[test]
     fn every_width_writes_the_same_text() {
-        let mut seed = 1u64;
-        let mut random = || {
-            seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            seed >> 11
-        };
+        let mut random = random();
         let numbers: Vec<f64> = (0..5_003)
             .map(|k| match k % 7 {
                 0 => f64::from_bits(random() << 11 | random() & 0x7FF),
@@ -267,19 +301,27 @@ mod tests {
             })
             .collect();
         for decimals in [Decimals::Shortest, Decimals::Fixed(3), Decimals::Fixed(6), Decimals::Fixed(9)] {
-            let mut expected = String::new();
-            for number in &numbers {
-                expected += &text(*number, decimals);
-                expected.push('\n');
-            }
-            for vectors in Vectors::all() {
-                let mut out = Vec::new();
-                let mut made = Made { rows: 0, columns: 0, next: &mut |_| {} };
-                let columns: (&[Column<'_>], _, &[Column<'_>]) =
-                    (&[Column::Numbers(&numbers)], &mut made, &[]);
-                table::write(vectors, &mut out, b"", columns, decimals).unwrap();
-                assert!(out == expected.as_bytes(), "{vectors:?} {decimals:?}");
-            }
+            the_same_text(&numbers, decimals);
+        }
+    }
+
+    /// Numbers of all sizes that go together, with as many digits as there can be and with few.
+    #[test]
+    fn whole_tiles_of_usual_numbers() {
+        let mut random = random();
+        for tile in 0..2_000u64 {
+            let numbers: Vec<f64> = (0..digits::TILE as u64)
+                .map(|k| {
+                    let exponent = 1007 + random() % 40;
+                    let bits = (random() & ((1 << 52) - 1)) | 1 | exponent << 52 | random() << 63;
+                    let number = f64::from_bits(bits);
+                    let unit = 10u64.pow((tile % 12) as u32) as f64;
+                    let few = (number * unit).trunc() / unit;
+                    let usual = (1.0 / 65_536.0..16_777_216.0).contains(&few.abs());
+                    if k % 3 == 0 && usual && few.to_bits() << 12 != 0 { few } else { number }
+                })
+                .collect();
+            the_same_text(&numbers, Decimals::Shortest);
         }
     }
 
@@ -290,13 +332,11 @@ mod tests {
             let first: Vec<f64> = (0..rows).map(|k| k as f64).collect();
             let flags: Vec<bool> = (0..rows).map(|k| k % 3 == 0).collect();
             let mut row = 0;
-            let mut next = |out: &mut [f64]| {
-                let count = out.len() / 2;
-                for k in 0..count {
-                    out[k] = (row + k) as f64 + 0.5;
-                    out[count + k] = -((row + k) as f64);
+            let mut next = |out: &mut [f64], length: usize| {
+                for out in out.chunks_mut(length) {
+                    out[..2].copy_from_slice(&[f64::from(row) + 0.5, -f64::from(row)]);
+                    row += 1;
                 }
-                row += count;
             };
             let mut made = Made { rows, columns: 2, next: &mut next };
             let mut out = Vec::new();

@@ -2,6 +2,7 @@
 
 use super::digits::TILE;
 use super::{Style, WINDOW};
+use crate::wide::Vectors;
 use std::io::{self, IoSlice, Write};
 
 /// What is written at once is a multiple of this, so that the system takes large pages of memory for the file.
@@ -50,9 +51,28 @@ impl Page {
         }
     }
 
-    /// Appends the first `count` numbers made ready, each with the byte that `row` puts after it.
+    /// Appends the first `count` of some numbers, each with the byte that `row` puts after it.
     #[inline(always)]
-    pub fn numbers<S: Style>(&mut self, style: &S, values: &[f64; TILE], count: usize, row: &mut Row) {
+    pub fn numbers<S: Style>(
+        &mut self,
+        vectors: Vectors,
+        style: &mut S,
+        values: &[f64; TILE],
+        count: usize,
+        row: &mut Row,
+    ) {
+        while self.bytes.len() < self.length + TILE * WINDOW {
+            self.grow();
+        }
+        let after = row.pass(count);
+        if count == TILE
+            && let Some(out) = self.bytes.get_mut(self.length..).and_then(|out| out.first_chunk_mut())
+            && let Some(length) = S::put_all(vectors, values, after, out)
+        {
+            self.length += length;
+            return;
+        }
+        style.prepare(values);
         let mut k = 0;
         while k < count {
             while self.bytes.len() < self.length + TILE * WINDOW {
@@ -69,13 +89,13 @@ impl Page {
                 if odd {
                     break;
                 }
-                room[length] = row.after();
+                room[length] = after[k];
                 at += length + 1;
                 k += 1;
             }
             self.length += at;
             if odd {
-                self.odd_number::<S>(values[k], row.after());
+                self.odd_number::<S>(values[k], after[k]);
                 k += 1;
             }
         }
@@ -128,23 +148,23 @@ impl Page {
 /// Where in a row of numbers the next one stands.
 pub(super) struct Row {
     columns: usize,
-    left: usize,
+    column: usize,
+    /// The bytes after the numbers of a row, and of as many more as are made ready together.
+    after: Vec<u8>,
 }
 
 impl Row {
     pub fn of(columns: usize) -> Self {
-        Row { columns, left: columns }
+        let after = |k: usize| if (k + 1).is_multiple_of(columns) { b'\n' } else { b',' };
+        Row { columns, column: 0, after: (0..columns + TILE).map(after).collect() }
     }
 
-    /// The byte after the next number.
+    /// Goes past some numbers; gives the bytes after them.
     #[inline(always)]
-    fn after(&mut self) -> u8 {
-        self.left -= 1;
-        if self.left > 0 {
-            return b',';
-        }
-        self.left = self.columns;
-        b'\n'
+    fn pass(&mut self, count: usize) -> &[u8; TILE] {
+        let after = self.after.get(self.column..).and_then(|after| after.first_chunk());
+        self.column = (self.column + count) % self.columns;
+        after.unwrap_or(&[b','; TILE])
     }
 }
 

@@ -6,54 +6,58 @@
 
 use super::digits::{TILE, ZEROS, eights};
 use super::{Style, WINDOW, store};
+use crate::wide::{Vectors, Width};
 
 /// A number's last bit is worth 2^-s: of the least number that is written here, 2^-16 (smaller ones have an exponent) …
-const S_MOST: usize = 68;
+const S_MOST: u64 = 68;
 /// … and of those below the greatest, 2^24.
-const S_LEAST: usize = 29;
+const S_LEAST: u64 = 29;
 
-/// For the worth 2^-s of a last bit: 10^k 2^(64-s), exact, where k is the greatest with 10^-k above it …
-const POWERS: [u64; TABLE] = {
-    let mut powers = [0; TABLE];
-    let mut s = S_LEAST;
-    while s <= S_MOST {
-        let mut power = 1u128;
-        let mut k = 0;
-        while k < DECIMALS[s] {
-            power *= 10;
-            k += 1;
-        }
-        // 10^k has k factors of two: nothing is lost.
-        powers[s] = (if s > 64 { power >> (s - 64) } else { power << (64 - s) }) as u64;
-        s += 1;
+/// The decimals that the first 16 digits may have.
+pub(super) const LEAST: u64 = decimals_of(S_LEAST);
+pub(super) const MOST: u64 = decimals_of(S_MOST);
+
+/// 5^k for those decimals; the others are there so that any four bits are a place.
+pub(super) const FIVES: [u64; 16] = {
+    let mut fives = [0; 16];
+    let mut k = LEAST;
+    while k <= MOST {
+        fives[(k - LEAST) as usize] = 5u64.pow(k as u32);
+        k += 1;
     }
-    powers
+    fives
 };
 
-/// … and k; 0 where numbers go another way.
-const DECIMALS: [u8; TABLE] = {
-    let mut decimals = [0; TABLE];
-    let mut s = S_LEAST;
-    while s <= S_MOST {
-        let mut power = 1u128;
-        while power * 10 < 1 << s {
-            power *= 10;
-            decimals[s] += 1;
-        }
-        s += 1;
-    }
-    decimals
-};
+/// The s of a number.
+#[inline(always)]
+pub(super) fn last_bit(value: f64) -> u64 {
+    1075u64.wrapping_sub(value.to_bits() >> 52 & 0x7FF)
+}
 
-/// So that any seven bits are a place in the tables.
-const TABLE: usize = 128;
+/// Whether a number goes another way. Powers of two have neighbours that are not equally far.
+#[inline(always)]
+pub(super) fn is_odd(value: f64) -> bool {
+    (last_bit(value).wrapping_sub(S_LEAST) > S_MOST - S_LEAST) | (value.to_bits() << 12 == 0)
+}
+
+/// The greatest k with 10^-k above 2^-s.
+#[inline(always)]
+pub(super) const fn decimals_of(s: u64) -> u64 {
+    s.wrapping_mul(1_233) >> 12 // log10 of 2, near enough for all s from 1 to 68
+}
+
+/// 10^k 2^(64-s), exact, of 5^k. 10^k has k factors of two: nothing is lost.
+#[inline(always)]
+pub(super) fn power(five: u64, k: u64, s: u64) -> u64 {
+    five << (64u64.wrapping_add(k).wrapping_sub(s) % 64)
+}
 
 /// Numbers in their shortest form, made ready.
 pub(super) struct Shortest {
     /// Decimals of the first 16 digits; 0 where the number goes another way.
     decimals: [u8; TILE],
     /// A 17th digit …
-    last: [u8; TILE],
+    last: [u64; TILE],
     /// … and whether it is needed: the highest bit of a word.
     long: [u64; TILE],
     /// The digits.
@@ -78,7 +82,7 @@ fn halves(a: u64, b: u64) -> u64 {
 /// The first 15 or 16 digits of a number as a whole one, in two halves of eight; the 17th digit, and the highest bit
 /// where it is needed.
 #[inline(always)]
-fn decimal(bits: u64, power: u64) -> ([u32; 2], u8, u64) {
+pub(super) fn decimal(bits: u64, power: u64) -> ([u32; 2], u64, u64) {
     let mantissa = bits & ((1 << 52) - 1) | 1 << 52;
     // The product of 53 and 64 bits.
     let (low, high) = (halves(mantissa, power), halves(mantissa >> 32, power >> 32));
@@ -103,20 +107,34 @@ fn decimal(bits: u64, power: u64) -> ([u32; 2], u8, u64) {
     let remainder = whole - halves(quotient, 100_000_000);
     let more = u64::from(remainder >= 100_000_000);
     let eights = [(quotient + more) as u32, (remainder - more * 100_000_000) as u32];
-    (eights, last as u8, u64::from(!(up | down)) << 63)
+    (eights, last, u64::from(!(up | down)) << 63)
 }
 
 impl Style for Shortest {
     #[inline(always)]
+    #[cfg(target_arch = "x86_64")]
+    #[allow(unsafe_code)] // as in `wide`
+    fn put_all(
+        vectors: Vectors,
+        values: &[f64; TILE],
+        after: &[u8; TILE],
+        out: &mut [u8; TILE * WINDOW],
+    ) -> Option<usize> {
+        // SAFETY: `Vectors` of this width are made only where the processor has these instructions.
+        (vectors.width() == Width::Avx512Vbmi2)
+            .then(|| unsafe { super::compress::shortest(values, after, out) })
+            .flatten()
+    }
+
+    #[inline(always)]
     fn prepare(&mut self, values: &[f64; TILE]) {
         let mut powers = [0u64; TILE];
-        for ((value, power), decimals) in values.iter().zip(&mut powers).zip(&mut self.decimals) {
-            let bits = value.to_bits();
-            let s = 1075u64.wrapping_sub(bits >> 52 & 0x7FF);
-            // Powers of two have neighbours that are not equally far.
-            let known = s < TABLE as u64 && bits << 12 != 0;
-            let place = if known { s as usize % TABLE } else { 0 };
-            (*power, *decimals) = (POWERS[place], DECIMALS[place]);
+        for ((value, place), decimals) in values.iter().zip(&mut powers).zip(&mut self.decimals) {
+            let s = last_bit(*value);
+            let k = decimals_of(s);
+            let five = FIVES[(k.wrapping_sub(LEAST) % 16) as usize];
+            *place = power(five, k, s);
+            *decimals = if is_odd(*value) { 0 } else { k as u8 };
         }
         let (mut high, mut low) = ([0u32; TILE], [0u32; TILE]);
         for k in 0..TILE {
@@ -148,7 +166,7 @@ impl Style for Shortest {
             store(out, start, high);
             store(out, start + 8, low);
             out[at + 1] = b'.';
-            out[start + 16] = b'0' + last;
+            out[start + 16] = b'0' + last as u8;
             return start + 16 - zeros + long;
         }
         // The digits with one place more before them are right from the point on; the whole part, of eight digits
@@ -157,7 +175,7 @@ impl Style for Shortest {
         let start = (at + 1 - missing) % 4;
         store(out, start, high);
         store(out, start + 8, low);
-        out[start + 16] = b'0' + last;
+        out[start + 16] = b'0' + last as u8;
         let first = (u128::from(low) << 64 | u128::from(high)) >> (8 * missing);
         let first = first as u64;
         let mask = u64::MAX >> (8 * (8 - whole.min(8)));

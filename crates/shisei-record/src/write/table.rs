@@ -10,8 +10,6 @@ use std::sync::{Mutex, mpsc};
 
 /// Rows that are made into text together; the text stays in the processor's cache.
 const ROWS: usize = 1024;
-/// Rows whose numbers are made ready together: as many tiles as there are columns of numbers.
-const BLOCK: usize = TILE;
 /// Numbers below which a table is written by one thread.
 pub(super) const SMALL: usize = 1 << 18;
 
@@ -26,7 +24,7 @@ pub(super) fn write(
 ) -> io::Result<()> {
     let rows = before.iter().chain(after).map(Column::len).max().unwrap_or(0).max(made.rows);
     let mut cells: Vec<Cell<'_>> = before.iter().map(Cell::of).collect();
-    cells.extend((0..made.columns).map(Cell::Made));
+    cells.extend((0..made.columns).map(|_| Cell::Made));
     cells.extend(after.iter().map(Cell::of));
     let table = Table { cells: &cells, rows, vectors };
     let mut pieces = Pieces::new(sink, header);
@@ -54,8 +52,8 @@ pub(super) fn write(
 #[derive(Clone, Copy)]
 enum Cell<'a> {
     Number(&'a Column<'a>),
-    /// A column of the numbers that are made.
-    Made(usize),
+    /// A number that is made.
+    Made,
     Flags(&'a [bool]),
     Texts(&'a [Box<str>]),
 }
@@ -68,27 +66,16 @@ impl<'a> Cell<'a> {
             Column::Numbers(_) | Column::Strided { .. } | Column::Computed { .. } => Cell::Number(column),
         }
     }
-
-    fn is_number(&self) -> bool {
-        matches!(self, Cell::Number(_) | Cell::Made(_))
-    }
 }
 
 /// Some rows on their way to text.
 #[derive(Default)]
 struct Job {
     start: usize,
-    /// The numbers that are made, column after column, each of `made_rows`.
-    made: Vec<f64>,
-    made_rows: usize,
-    page: Page,
-}
-
-/// Numbers of some rows, made ready.
-struct Ready<S> {
-    /// Row after row.
+    rows: usize,
+    /// The numbers, row after row; at the end so many more that all are parts of tiles.
     values: Vec<f64>,
-    styles: Vec<S>,
+    page: Page,
 }
 
 struct Table<'a> {
@@ -97,7 +84,7 @@ struct Table<'a> {
     vectors: Vectors,
 }
 
-impl Table<'_> {
+impl<'a> Table<'a> {
     fn write<S: Style>(&self, pieces: &mut Pieces<'_>, made: &mut Made<'_>) -> io::Result<()> {
         let threads = if self.rows * self.cells.len() < SMALL {
             1
@@ -107,20 +94,33 @@ impl Table<'_> {
         if threads > 1 {
             return self.parallel::<S>(pieces, made, threads);
         }
-        let (mut job, mut ready) = (Job::default(), self.ready::<S>());
+        let (mut job, mut style) = (Job::default(), S::default());
         for start in (0..self.rows).step_by(ROWS) {
-            job.make(start, made);
-            lines(self.vectors, self, &mut job, &mut ready);
+            self.begin(&mut job, start, made);
+            lines(self.vectors, self, &mut job, &mut style);
             job.page = pieces.write(job.page)?;
         }
         Ok(())
     }
 
-    fn ready<S: Style>(&self) -> Ready<S> {
-        let numbers = self.cells.iter().filter(|cell| cell.is_number()).count();
-        let mut styles = Vec::new();
-        styles.resize_with(numbers, S::default);
-        Ready { values: vec![0.0; numbers * TILE], styles }
+    /// The cells with numbers.
+    fn numbers(&self) -> impl Iterator<Item = &Cell<'a>> {
+        self.cells.iter().filter(|cell| matches!(cell, Cell::Number(_) | Cell::Made))
+    }
+
+    /// Begins a job with the rows from `start` on, and the numbers of them that are made; NaN beyond the last.
+    fn begin(&self, job: &mut Job, start: usize, made: &mut Made<'_>) {
+        job.start = start;
+        job.rows = ROWS.min(self.rows - start);
+        let columns = self.numbers().count();
+        job.values.resize((job.rows * columns).next_multiple_of(TILE), 0.0);
+        let Some(offset) = self.numbers().position(|cell| matches!(cell, Cell::Made)) else { return };
+        let known = columns * made.rows.saturating_sub(start).min(job.rows);
+        let (known, beyond) = job.values.split_at_mut(known);
+        beyond.fill(f64::NAN);
+        if let Some(known) = known.get_mut(offset..) {
+            (made.next)(known, columns);
+        }
     }
 
     /// Threads make the text, this one makes what is made row after row and writes the text in order.
@@ -135,11 +135,11 @@ impl Table<'_> {
         std::thread::scope(|scope| {
             for _ in 0..threads {
                 scope.spawn(|| {
-                    let mut ready = self.ready::<S>();
+                    let mut style = S::default();
                     loop {
                         let next = receive.lock().map_or(None, |jobs| jobs.recv().ok());
                         let Some((mut job, answer)) = next else { return };
-                        lines(self.vectors, self, &mut job, &mut ready);
+                        lines(self.vectors, self, &mut job, &mut style);
                         // Nobody waits where writing failed.
                         let _ = answer.send(job);
                     }
@@ -155,7 +155,7 @@ impl Table<'_> {
                 {
                     let (answer, result) = mpsc::channel();
                     let mut job = spare.pop().unwrap_or_default();
-                    job.make(start, made);
+                    self.begin(&mut job, start, made);
                     if send.send((job, answer)).is_ok() {
                         coming.push_back(result);
                     }
@@ -169,113 +169,78 @@ impl Table<'_> {
     }
 }
 
-impl Job {
-    /// Makes the numbers that are made, of the rows from `start` on.
-    fn make(&mut self, start: usize, made: &mut Made<'_>) {
-        self.start = start;
-        self.made_rows = made.rows.saturating_sub(start).min(ROWS);
-        self.made.resize(made.columns * self.made_rows, 0.0);
-        if !self.made.is_empty() {
-            (made.next)(&mut self.made);
-        }
-    }
-
-    /// The numbers of a cell in some rows from `first` on; NaN beyond the last.
-    #[inline(always)]
-    fn numbers(&self, cell: &Cell<'_>, first: usize, out: &mut [f64]) {
-        let filled = match cell {
-            Cell::Number(column) => column.fill(first, out),
-            Cell::Made(k) => {
-                let offset = first - self.start;
-                let rows = self.made_rows.saturating_sub(offset).min(out.len());
-                let from = k * self.made_rows + offset;
-                let (known, beyond) = out.split_at_mut(rows);
-                beyond.fill(f64::NAN);
-                self.made.get(from..from + rows).map(|values| known.copy_from_slice(values))
-            }
-            Cell::Flags(_) | Cell::Texts(_) => None,
-        };
-        if filled.is_none() {
-            out.fill(f64::NAN);
-        }
-    }
-}
-
 wide! {
     /// The text of a job's rows.
-    fn lines<; S: Style>(table: &Table<'_>, job: &mut Job, ready: &mut Ready<S>) {
+    fn lines<; S: Style>(table: &Table<'_>, job: &mut Job, style: &mut S) {
         job.page.clear();
-        let end = table.rows.min(job.start + ROWS);
-        let all_numbers = ready.styles.len() == table.cells.len();
-        for first in (job.start..end).step_by(BLOCK) {
-            let rows = BLOCK.min(end - first);
-            take(table, job, ready, first, rows);
-            if all_numbers {
-                number_rows(&mut job.page, ready, rows);
-            } else {
-                mixed_rows(table, &mut job.page, ready, first, rows);
+        let columns = table.numbers().count();
+        for (offset, cell) in table.numbers().enumerate() {
+            if let Cell::Number(column) = cell {
+                take(column, job, columns, offset);
             }
+        }
+        if columns == table.cells.len() {
+            number_rows(table.vectors, job, columns, style);
+        } else {
+            mixed_rows(table, job, style);
         }
     }
 }
 
-/// Takes the numbers of `rows` rows from `first` on, row after row, and makes them ready.
+/// Takes the numbers of a column.
 #[inline(always)]
-fn take<S: Style>(table: &Table<'_>, job: &Job, ready: &mut Ready<S>, first: usize, rows: usize) {
-    let columns = ready.styles.len();
-    let mut column = [0.0; BLOCK];
-    let numbers = table.cells.iter().filter(|cell| cell.is_number());
-    for (offset, cell) in numbers.enumerate() {
-        job.numbers(cell, first, column.get_mut(..rows).unwrap_or_default());
-        let places = ready.values.get_mut(offset..).unwrap_or_default().iter_mut().step_by(columns);
-        for (place, value) in places.zip(column) {
-            *place = value;
+fn take(column: &Column<'_>, job: &mut Job, columns: usize, offset: usize) {
+    let mut values = [0.0; TILE];
+    for (k, rows) in job.values.chunks_mut(TILE * columns).enumerate() {
+        // A column of numbers has them.
+        let _ = column.fill(job.start + k * TILE, &mut values);
+        for (row, value) in rows.chunks_mut(columns).zip(values) {
+            if let Some(place) = row.get_mut(offset) {
+                *place = value;
+            }
         }
-    }
-    let tiles = (rows * columns).div_ceil(TILE);
-    for (values, style) in ready.values.as_chunks::<TILE>().0.iter().zip(&mut ready.styles).take(tiles) {
-        style.prepare(values);
     }
 }
 
 /// Rows of nothing but numbers.
 #[inline(always)]
-fn number_rows<S: Style>(page: &mut Page, ready: &Ready<S>, rows: usize) {
-    let mut row = Row::of(ready.styles.len());
-    let mut left = rows * ready.styles.len();
-    for (values, style) in ready.values.as_chunks::<TILE>().0.iter().zip(&ready.styles) {
-        page.numbers(style, values, left.min(TILE), &mut row);
+fn number_rows<S: Style>(vectors: Vectors, job: &mut Job, columns: usize, style: &mut S) {
+    let mut row = Row::of(columns);
+    let mut left = job.rows * columns;
+    for values in job.values.as_chunks::<TILE>().0 {
+        job.page.numbers(vectors, style, values, left.min(TILE), &mut row);
         left = left.saturating_sub(TILE);
     }
 }
 
 /// Rows with flags and texts between the numbers.
 #[inline(always)]
-fn mixed_rows<S: Style>(table: &Table<'_>, page: &mut Page, ready: &Ready<S>, first: usize, rows: usize) {
+fn mixed_rows<S: Style>(table: &Table<'_>, job: &mut Job, style: &mut S) {
     let mut cell = 0;
-    for row in first..first + rows {
+    for row in job.start..job.start + job.rows {
         for kind in table.cells {
             match kind {
                 Cell::Flags(flags) => {
-                    page.byte(if flags.get(row) == Some(&true) { b'1' } else { b'0' });
-                    page.byte(b',');
+                    job.page.byte(if flags.get(row) == Some(&true) { b'1' } else { b'0' });
+                    job.page.byte(b',');
                 }
                 Cell::Texts(texts) => {
-                    page.odd(|out| {
+                    job.page.odd(|out| {
                         push_text(out, texts.get(row).map_or("", |t| t));
                         out.push(b',');
                     });
                 }
-                Cell::Number(_) | Cell::Made(_) => {
-                    if let (Some(style), Some(value)) =
-                        (ready.styles.get(cell / TILE), ready.values.get(cell))
-                    {
-                        page.number(style, cell % TILE, *value, b',');
+                Cell::Number(_) | Cell::Made => {
+                    if let Some(values) = job.values.as_chunks::<TILE>().0.get(cell / TILE) {
+                        if cell % TILE == 0 {
+                            style.prepare(values);
+                        }
+                        job.page.number(style, cell % TILE, values[cell % TILE], b',');
                     }
                     cell += 1;
                 }
             }
         }
-        page.end_line();
+        job.page.end_line();
     }
 }
