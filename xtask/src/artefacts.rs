@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use crate::cross::WINDOWS;
+use crate::cross::{WASM32, WINDOWS};
 use crate::project::Project;
 use crate::run::{must, show};
 
@@ -42,6 +42,36 @@ pub fn python_wheel(project: &Project) -> Result<PathBuf, String> {
     wheels
         .find(|path| path.extension().is_some_and(|end| end == "whl"))
         .ok_or("maturin wrote no wheel".into())
+}
+
+/// The folder of the JavaScript package, as users install it.
+pub fn npm_folder(project: &Project) -> Result<PathBuf, String> {
+    must(WASM32.cargo_build(project).args(["--package", "shisei-wasm"]))?;
+    let folder = project.target().join("npm-package");
+    let _ = std::fs::remove_dir_all(&folder); // files of an earlier version must not stay
+    let wasm = folder.join("wasm");
+    std::fs::create_dir_all(&wasm).map_err(|error| format!("{}: {error}", wasm.display()))?;
+    let mut bindgen = project.cargo();
+    bindgen.args(["run", "--quiet", "--package", "xtask", "--features", "bindgen", "--bin", "bindgen", "--"]);
+    must(bindgen.arg(WASM32.products(project).join("shisei_wasm.wasm")).arg(&wasm))?;
+    let sources = project.root.join("crates/shisei-wasm/npm");
+    let entries = std::fs::read_dir(&sources).map_err(|error| format!("{}: {error}", sources.display()))?;
+    let mut files: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    files.extend(["LICENSE-MIT", "LICENSE-APACHE"].map(|name| project.root.join(name)));
+    for file in files {
+        let name = file.file_name().ok_or("a file without a name")?;
+        std::fs::copy(&file, folder.join(name)).map_err(|error| format!("{}: {error}", file.display()))?;
+    }
+    Ok(folder)
+}
+
+/// The JavaScript package in one file, for `npm install FILE`.
+pub fn npm_package(project: &Project) -> Result<PathBuf, String> {
+    let mut npm = project.command("npm");
+    must(
+        npm.args(["pack", "--silent", "--pack-destination"]).arg(project.target()).arg(npm_folder(project)?),
+    )?;
+    Ok(project.target().join(format!("shisei-{VERSION}.tgz")))
 }
 
 /// What the Windows build gives.

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use crate::artefacts::{self, VERSION, WindowsFiles};
-use crate::cross::WINDOWS;
+use crate::cross::{WASM32, WINDOWS};
 use crate::needs::{Apt, Needs};
 use crate::project::Project;
 use crate::run::{heading, output_of};
@@ -31,7 +31,7 @@ pub fn command(project: &Project, words: &[&str]) -> Result<(), String> {
     Ok(())
 }
 
-/// What is needed to build for Excel, Calc, Python and the boards on this machine.
+/// What is needed to build for Excel, Calc, Python, JavaScript and the boards on this machine.
 fn needs(project: &Project) -> Needs {
     let mut needs = WINDOWS.needs(project);
     needs.apt.extend(wine::needs());
@@ -42,6 +42,8 @@ fn needs(project: &Project) -> Needs {
         Apt::file("libreoffice-dev", "/usr/lib/libreoffice/sdk/bin/unoidl-write"),
     ]);
     needs.pip.push("maturin");
+    needs.apt.extend(WASM32.needs(project).apt);
+    needs.apt.push(Apt::program("npm", "npm"));
     needs.apt.extend(firmware::needs(project).apt);
     needs
 }
@@ -59,10 +61,12 @@ fn build(project: &Project) -> Result<Vec<PathBuf>, String> {
     let ods = workbooks::build_ods(project, &extension)?;
     heading("for Python");
     let wheel = artefacts::python_wheel(project)?;
+    heading("for JavaScript");
+    let npm = artefacts::npm_package(project)?;
     heading("for the boards");
     let boards = firmware::files(project)?;
     let WindowsFiles { xll, dll, .. } = windows;
-    let mut files = vec![xll, dll, installer, extension, wheel, artefacts::shared_library(project)?];
+    let mut files = vec![xll, dll, installer, extension, wheel, npm, artefacts::shared_library(project)?];
     files.extend(boards);
     files.extend(samples);
     files.extend(ods);

@@ -116,7 +116,7 @@ struct Rows<'a, 'b> {
     found: &'a Orientation,
     later: &'a mut Later<'b>,
     /// The attitudes of the rows at hand.
-    chunk: Orientation,
+    world_from_body: Vec<Quaternion>,
     per_rad: f64,
     ranges: AngleRanges,
     failed: Option<Error>,
@@ -124,29 +124,21 @@ struct Rows<'a, 'b> {
 
 impl<'a, 'b> Rows<'a, 'b> {
     fn of(found: &'a Orientation, later: &'a mut Later<'b>, per_rad: f64) -> Self {
-        let chunk = Orientation {
-            world_from_body: Vec::new(),
-            start: found.start,
-            rest: None,
-            gyro_bias_rad_s: found.gyro_bias_rad_s,
-            relative: found.relative,
-            certainty: None,
-            learnt: None,
-        };
         let ranges = [(f64::INFINITY, f64::NEG_INFINITY); 3];
-        Rows { found, later, chunk, per_rad, ranges, failed: None }
+        Rows { found, later, world_from_body: Vec::new(), per_rad, ranges, failed: None }
     }
 
     /// The next rows, each at the beginning of a part of `out` of the given length.
     fn next(&mut self, out: &mut [f64], length: usize) {
-        self.chunk.world_from_body.resize(out.len().div_ceil(length), Quaternion::IDENTITY);
-        if let Err(error) = self.later.next(self.found, &mut self.chunk.world_from_body) {
+        let found = self.found;
+        self.world_from_body.resize(out.len().div_ceil(length), Quaternion::IDENTITY);
+        if let Err(error) = self.later.next(found, &mut self.world_from_body) {
             self.failed.get_or_insert(error);
         }
-        let ypr_rad = Vectors::widest().ypr_rad(&self.chunk);
+        let ypr_rad = Vectors::widest().ypr_rad(&self.world_from_body, found.start, found.relative);
         let rows = out.chunks_mut(length).filter_map(|row| row.first_chunk_mut::<COLUMNS>());
         let mut ranges = self.ranges;
-        for ((row, q), ypr) in rows.zip(&self.chunk.world_from_body).zip(&ypr_rad) {
+        for ((row, q), ypr) in rows.zip(&self.world_from_body).zip(&ypr_rad) {
             row[..4].copy_from_slice(&q.to_array());
             for ((place, rad), (least, most)) in row[4..].iter_mut().zip(ypr).zip(&mut ranges) {
                 *least = if rad < least { *rad } else { *least };

@@ -157,12 +157,17 @@ impl Orientation {
     }
 
     /// Yaw, pitch and roll of every row, rad: the same bits as [`ypr`](Orientation::ypr) of each.
-    #[inline(always)]
     pub fn ypr_rad(&self) -> Vec<[f64; 3]> {
-        let mut out = alloc::vec![[0.0; 3]; self.world_from_body.len()];
-        euler::fill(&mut out, |k| relative_to(self.world_from_body[k], self.start, self.relative));
-        out
+        ypr_rad(&self.world_from_body, self.start, self.relative)
     }
+}
+
+/// Yaw, pitch and roll, rad, of every attitude, relative to a start as asked; all of unit norm.
+#[inline(always)]
+pub fn ypr_rad(world_from_body: &[Quaternion], start: Quaternion, relative: Relative) -> Vec<[f64; 3]> {
+    let mut out = alloc::vec![[0.0; 3]; world_from_body.len()];
+    euler::fill(&mut out, |k| relative_to(world_from_body[k], start, relative));
+    out
 }
 
 /// An attitude relative to a start, both of unit norm.

@@ -11,6 +11,8 @@ mod docs;
 mod examples;
 #[path = "generated/excel.rs"]
 mod excel;
+#[path = "generated/javascript.rs"]
+mod javascript;
 #[path = "generated/python.rs"]
 mod python;
 #[path = "generated/vba.rs"]
@@ -78,6 +80,11 @@ fn calc_description() {
 #[test]
 fn python_stubs() {
     ensure("crates/shisei-python/python/shisei/sheet.pyi", &python::stubs());
+}
+
+#[test]
+fn javascript_types() {
+    ensure("crates/shisei-wasm/npm/sheet.d.ts", &javascript::types());
 }
 
 #[test]

@@ -205,6 +205,28 @@ pub fn orient<'py>(
     Ok(result)
 }
 
+/// Yaw, pitch, roll of attitudes of unit norm, relative to the start in "world" or "body" axes, or themselves ("none").
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn ypr_rad<'py>(
+    py: Python<'py>,
+    world_from_body: PyReadonlyArray2<'py, f64>,
+    start: Quat,
+    relative: &str,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let quats = rows::<4>(&world_from_body, "world_from_body")?;
+    let relative = match relative {
+        "world" => Relative::World,
+        "body" => Relative::Body,
+        _ => Relative::None,
+    };
+    let ypr_rad = py.detach(|| {
+        let quats: Vec<Quaternion> = quats.iter().copied().map(Quaternion::from_array).collect();
+        Vectors::widest().ypr_rad(&quats, Quaternion::from_array(start), relative)
+    });
+    table(py, ypr_rad)
+}
+
 /// Attitude, velocity and position: columns w, x, y, z, vx, vy, vz, px, py, pz.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value, clippy::too_many_arguments)] // what PyO3 extracts; keywords in the package

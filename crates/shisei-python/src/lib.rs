@@ -33,6 +33,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(rotations::to_matrix, module)?)?;
     module.add_function(wrap_pyfunction!(rotations::from_matrix, module)?)?;
     module.add_function(wrap_pyfunction!(rotations::to_rotation_vector, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::ypr_rad, module)?)?;
     module.add_function(wrap_pyfunction!(filters::dead_reckon, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::six_face, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::apply, module)?)?;

@@ -48,7 +48,7 @@ use shisei_core::filter::{
 };
 #[cfg(not(target_arch = "x86_64"))]
 use shisei_core::lanes::Portable;
-use shisei_core::orient::Orientation;
+use shisei_core::orient::{self, Relative};
 use shisei_core::{AttitudeRow, Error, Quaternion, Result, Vec3, relative};
 
 #[cfg(not(target_arch = "x86_64"))]
@@ -163,9 +163,9 @@ wide! {
 }
 
 wide! {
-    /// [`Orientation::ypr_rad`].
-    ypr_rad<>(orientation: &Orientation) -> Vec<[f64; 3]> {
-        orientation.ypr_rad()
+    /// [`orient::ypr_rad`].
+    ypr_rad<>(world_from_body: &[Quaternion], start: Quaternion, relative: Relative) -> Vec<[f64; 3]> {
+        orient::ypr_rad(world_from_body, start, relative)
     }
 }
 

@@ -162,7 +162,11 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
         let refused = |error| refuse(Failure::core(&source.shown(), error, lang));
         later.complete(&mut orientation).map_err(refused)?;
     }
-    let ypr_rad = if drawn { Vectors::widest().ypr_rad(&orientation) } else { Vec::new() };
+    let ypr_rad = if drawn {
+        Vectors::widest().ypr_rad(&orientation.world_from_body, orientation.start, orientation.relative)
+    } else {
+        Vec::new()
+    };
     let report = summary::report(plan, source, &recording, &orientation, &ypr_rad, &warnings);
 
     // Everything is made under temporary names before anything is in its place.

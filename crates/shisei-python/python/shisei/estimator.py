@@ -7,9 +7,8 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from . import sheet
 from ._arrays import Floats, axis, each_step, one_sample, rest_rows, say, series, steps, warn_of_doubts
-from ._native import EstimatorFilter, FixedLagFilter
+from ._native import EstimatorFilter, FixedLagFilter, ypr_rad
 from ._native import estimate as _estimate
 from .calibration import Calibration
 from .filters import GRAVITY_M_S2
@@ -78,11 +77,10 @@ class Estimate:
 
     def relative_ypr_rad(self, relative: Literal["world", "body"] = "world") -> Floats:
         """(N, 3) yaw, pitch, roll of the turn since ``start``, in world axes or in the sensor's axes at the start."""
-        functions = {"world": sheet.Quats2WorldYprs, "body": sheet.Quats2BodyYprs}
-        if relative not in functions:
+        if relative not in ("world", "body"):
             raise ValueError(say(f"relative is {relative!r}; it must be 'world' or 'body'",
                                  f"relative が {relative!r} です。'world' か 'body' にしてください"))
-        return functions[relative](self.q_wxyz, self.start)
+        return ypr_rad(self.q_wxyz, self.start, relative)
 
 
 def estimate(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, time_s: Any = None,
@@ -110,7 +108,7 @@ def estimate(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, ti
         warn_of_doubts(gyro, acc, step)
     learnt = _learnt(found["learnt"], calibration, gravity_m_s2)
     q = found["q_wxyz"]
-    return Estimate(q, sheet.Quats2Yprs(q), found["sigma_tilt_rad"], found["sigma_heading_rad"], found["rest"],
+    return Estimate(q, ypr_rad(q, found["start"], "none"), found["sigma_tilt_rad"], found["sigma_heading_rad"], found["rest"],
                     np.array(learnt.gyro_bias_rad_s), tuple(found["start"]), found["rest_rows"], learnt)
 
 

@@ -4,9 +4,8 @@ from __future__ import annotations
 from dataclasses import astuple, dataclass
 from typing import Any, Literal
 
-from . import sheet
 from ._arrays import Floats, axis, one_sample, rest_rows, say, series, steps, vector, warn_of_doubts
-from ._native import MahonyFilter, run_filter
+from ._native import MahonyFilter, run_filter, ypr_rad
 from ._native import dead_reckon as _dead_reckon
 from ._native import orient as _orient
 
@@ -137,13 +136,10 @@ class Orientation:
 
     def ypr_rad(self, relative: Literal["world", "body", "none"] = "world") -> Floats:
         """(N, 3) yaw, pitch, roll: of the turn since the start in world or sensor axes, or of the attitude itself."""
-        functions = {"world": sheet.Quats2WorldYprs, "body": sheet.Quats2BodyYprs}
-        if relative == "none":
-            return sheet.Quats2Yprs(self.world_from_body)
-        if relative not in functions:
+        if relative not in ("world", "body", "none"):
             raise ValueError(say(f"relative is {relative!r}; it must be 'world', 'body' or 'none'",
                                  f"relative が {relative!r} です。'world'、'body'、'none' のいずれかにしてください"))
-        return functions[relative](self.world_from_body, self.start)
+        return ypr_rad(self.world_from_body, self.start, relative)
 
 
 def orient(*, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None = None, time_s: Any = None,

@@ -6,6 +6,7 @@
 
 use super::digits::{TILE, ZEROS, eights};
 use super::{Style, WINDOW, store};
+#[cfg(target_arch = "x86_64")]
 use crate::wide::{Vectors, Width};
 
 /// A number's last bit is worth 2^-s: of the least number that is written here, 2^-16 (smaller ones have an exponent) …

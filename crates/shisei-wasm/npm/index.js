@@ -1,0 +1,215 @@
+// The public names; `index.d.ts` says what they take and give.
+import { DomainError, ShapeError, kindly, native, say } from "./state.js";
+import { Table, number, rectangle, series, steps, table, vector } from "./table.js";
+
+export { Table };
+export { ConditionError, DomainError, RecordingError, ShapeError } from "./state.js";
+
+export const GRAVITY_M_S2 = 9.80665;
+const IDENTITY = [1, 0, 0, 0];
+
+export const version = () => native().version();
+
+export const language = () => native().language();
+
+export function setLanguage(lang) {
+  if (lang !== "en" && lang !== "ja") {
+    throw new DomainError(`the language is ${String(lang)}; it must be "en" or "ja"`);
+  }
+  native().setJapanese(lang === "ja");
+}
+
+/** One function of the table. */
+function worksheetFunction({ name, args }, index) {
+  const called = (...given) => {
+    if (given.length > args.length) {
+      throw new ShapeError(say(`${name} takes ${args.length} arguments and was given ${given.length}`,
+        `${name} の引数は ${args.length} 個までです (${given.length} 個指定されました)`));
+    }
+    const taken = args.map((arg, k) => {
+      if (given[k] === undefined) {
+        return undefined;
+      }
+      if (arg.number) {
+        return number(given[k], arg.name);
+      }
+      const { data, rows, columns } = rectangle(given[k], arg.name, arg.columns);
+      return [data, rows, columns];
+    });
+    const found = kindly((wasm) => wasm.call(index, taken));
+    return Array.isArray(found) ? table(found) : found;
+  };
+  return Object.defineProperty(called, "name", { value: name });
+}
+
+let functions;
+
+export const sheet = new Proxy({}, {
+  get: (_, name) => all()[name],
+  has: (_, name) => name in all(),
+  ownKeys: () => Reflect.ownKeys(all()),
+  getOwnPropertyDescriptor: (_, name) => ({ ...Object.getOwnPropertyDescriptor(all(), name), configurable: true }),
+});
+
+function all() {
+  functions ??= Object.fromEntries(
+    JSON.parse(native().functions()).map((entry, index) => [entry.name, worksheetFunction(entry, index)]),
+  );
+  return functions;
+}
+
+/** A recording, as `readRecording` gives it. */
+export class Recording {
+  constructor(parts) {
+    Object.assign(this, parts, { accMS2: table(parts.accMS2), gyroRadS: table(parts.gyroRadS) });
+  }
+}
+
+const SAID = ["units", "columns", "axes", "scale"];
+const ASKED = [...SAID, "rateHz", "sensor", "skipBadRows"];
+
+export function readRecording(files, options = {}) {
+  known(options, ASKED, "readRecording");
+  const list = Array.isArray(files) ? files : [files];
+  const strange = list.some((file) => typeof file?.name !== "string" || !(file.bytes instanceof Uint8Array));
+  if (list.length === 0 || strange) {
+    throw new ShapeError(say("a file is given as { name, bytes }, its bytes as Uint8Array",
+      "ファイルは { name, bytes } で、bytes は Uint8Array で指定してください"));
+  }
+  return kindly((wasm) => {
+    const reading = new wasm.Reading(options.rateHz, options.sensor, options.skipBadRows === true);
+    try {
+      SAID.filter((what) => options[what] !== undefined).forEach((what) => reading.say(what, options[what]));
+      return new Recording(wasm.readRecording(list.map(({ name }) => name), list.map(({ bytes }) => bytes), reading));
+    } finally {
+      reading.free();
+    }
+  });
+}
+
+function known(options, names, where) {
+  const strange = Object.keys(options).find((name) => !names.includes(name));
+  if (strange !== undefined) {
+    throw new TypeError(say(`${where}: there is no option ${strange}; there are ${names.join(", ")}`,
+      `${where}：${strange} という指定はありません。指定できるのは ${names.join("、")} です`));
+  }
+}
+
+const GAIN = { kpMax: 2, kpMin: 0.05, upperStart: 10.3, upperEnd: 14.7, lowerStart: 9.3, lowerEnd: 4.9 };
+
+/** Filters: the settings that they take, and their parameters in the module's order. */
+const FILTERS = {
+  shisei: [[], () => []],
+  "shisei-online": [[], () => []],
+  mahony: [["kp", "ki"], ({ kp = 0.2, ki = 0 }) => [kp, ki]],
+  "mahony-adaptive": [["gain", "ki"], ({ gain = {}, ki = 0 }) => [...Object.values({ ...GAIN, ...gain }), ki]],
+  complementary: [["alpha"], ({ alpha = 0.98 }) => [alpha]],
+  gyro: [[], () => []],
+  "gyro-rk4": [[], () => []],
+};
+const OF_FILTERS = ["kp", "ki", "gain", "alpha"];
+
+/** Attitudes of a recording, and how sure they are. */
+export class Orientation {
+  constructor({ worldFromBody, ...parts }) {
+    Object.assign(this, { worldFromBody: table(worldFromBody) }, parts);
+  }
+
+  yprRad(relative = "world") {
+    if (!["world", "body", "none"].includes(relative)) {
+      throw new DomainError(say(`relative is ${relative}; it must be "world", "body" or "none"`,
+        `relative が ${relative} です。"world"、"body"、"none" のいずれかにしてください`));
+    }
+    return table(kindly((wasm) => wasm.yprRad(this.worldFromBody.data, this.start, relative)));
+  }
+}
+
+export function orient(readings, settings = {}) {
+  known(settings, ["filter", ...OF_FILTERS, "rest", "forward", "gravityMS2"], "orient");
+  const { filter = "shisei", rest = "auto", forward, gravityMS2 = GRAVITY_M_S2 } = settings;
+  if (!Object.hasOwn(FILTERS, filter)) {
+    const names = Object.keys(FILTERS);
+    throw new DomainError(say(`filter is ${String(filter)}; it must be one of ${names.join(", ")}`,
+      `filter が ${String(filter)} です。${names.join("、")} のいずれかにしてください`));
+  }
+  const [takes, parameters] = FILTERS[filter];
+  const idle = OF_FILTERS.find((name) => settings[name] !== undefined && !takes.includes(name));
+  if (idle !== undefined) {
+    throw new TypeError(say(`${idle} has no meaning for filter ${filter}; leave it out`,
+      `${idle} は filter ${filter} では使えません。外してください`));
+  }
+  known(settings.gain ?? {}, Object.keys(GAIN), "gain");
+  const gyro = series(readings.gyroRadS, 3, "gyroRadS");
+  const acc = series(readings.accMS2, 3, "accMS2");
+  const step = readings instanceof Recording ? readings.dtS : steps(gyro.rows, readings);
+  const given = Float64Array.from(parameters(settings), (value) => number(value, filter));
+  const rows = restRows(rest, gyro.rows);
+  return new Orientation(kindly((wasm) => wasm.orient(
+    filter, given, gyro.data, acc.data, step, rest === "auto", rows, axis(forward), number(gravityMS2, "gravityMS2"),
+  )));
+}
+
+/** The rows of the rest that is given; nothing for "auto" and null. */
+function restRows(rest, rows) {
+  if (rest === "auto" || rest === null) {
+    return new Uint32Array();
+  }
+  const [start, end] = vector(rest, 2, "rest");
+  if (!(Number.isInteger(start) && Number.isInteger(end) && start >= 0 && start < end && end <= rows)) {
+    throw new DomainError(say(`rest is ${start}, ${end} and the recording has rows 0 to ${rows}`,
+      `rest が ${start}, ${end} ですが、記録の行は 0 から ${rows} までです`));
+  }
+  return Uint32Array.of(start, end);
+}
+
+/** A sensor axis: "+x" … "-z", three numbers, or nothing. */
+function axis(forward) {
+  if (forward === undefined) {
+    return new Float64Array();
+  }
+  if (typeof forward !== "string") {
+    return vector(forward, 3, "forward");
+  }
+  if (!/^[+-]?[xyz]$/.test(forward)) {
+    throw new DomainError(say(`forward is ${forward}; it must be +x, -x, +y, -y, +z, -z or three numbers`,
+      `forward が ${forward} です。+x、-x、+y、-y、+z、-z または 3 つの数値にしてください`));
+  }
+  return Float64Array.from("xyz", (letter) => (forward.endsWith(letter) ? (forward[0] === "-" ? -1 : 1) : 0));
+}
+
+export class Mahony {
+  #filter;
+
+  constructor({ start = IDENTITY, kp = 0.2, ki = 0 } = {}) {
+    const q = vector(start, 4, "start");
+    this.#filter = kindly((wasm) => new wasm.MahonyFilter(q, number(kp, "kp"), number(ki, "ki")));
+    this.worldFromBody = sheet.NormalizeQuat(q);
+  }
+
+  update(gyroRadS, accMS2, dtS) {
+    const [gyro, acc] = [vector(gyroRadS, 3, "gyroRadS"), vector(accMS2, 3, "accMS2")];
+    this.worldFromBody = kindly(() => this.#filter.update(gyro, acc, number(dtS, "dtS")));
+    return this.worldFromBody;
+  }
+
+  get gyroBiasRadS() {
+    return this.#filter.integralRadS().map((rate) => 0 - rate);
+  }
+}
+
+export class Estimator {
+  #filter;
+
+  constructor({ gravityMS2 = GRAVITY_M_S2 } = {}) {
+    this.#filter = kindly((wasm) => new wasm.EstimatorFilter(number(gravityMS2, "gravityMS2")));
+  }
+
+  update(gyroRadS, accMS2, dtS) {
+    const [gyro, acc] = [vector(gyroRadS, 3, "gyroRadS"), vector(accMS2, 3, "accMS2")];
+    return kindly(() => this.#filter.update(gyro, acc, number(dtS, "dtS")));
+  }
+
+  get state() {
+    return this.#filter.state();
+  }
+}

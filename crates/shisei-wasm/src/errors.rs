@@ -1,0 +1,38 @@
+//! A refusal as a JavaScript error with its full sentence.
+
+use shisei_functions::{Error, Kind, Lang, last_error};
+use wasm_bindgen::prelude::*;
+
+/// The language in use: "en" or "ja".
+#[wasm_bindgen]
+pub fn language() -> String {
+    match last_error::user_lang() {
+        Lang::En => "en".into(),
+        Lang::Ja => "ja".into(),
+    }
+}
+
+/// Japanese, or else English.
+#[wasm_bindgen(js_name = setJapanese)]
+pub fn set_japanese(japanese: bool) {
+    last_error::set_user_lang(if japanese { Lang::Ja } else { Lang::En });
+}
+
+/// The error met by `function`.
+pub fn refusal(function: &str, error: impl Into<Error>) -> JsValue {
+    let error = error.into();
+    let name = match error.kind() {
+        Some(Kind::Shape) => "ShapeError",
+        Some(Kind::Domain) => "DomainError",
+        Some(Kind::Condition) => "ConditionError",
+        None => "Error",
+    };
+    named(name, &format!("{function}: {}", error.sentence(last_error::user_lang())))
+}
+
+/// An error with a name, by which a program tells one kind from another.
+pub fn named(name: &str, sentence: &str) -> JsValue {
+    let error = js_sys::Error::new(sentence);
+    error.set_name(name);
+    error.into()
+}

@@ -1,0 +1,152 @@
+// The package as users get it, in Node: SHISEI_PACKAGE is its folder, SHISEI the command line to compare with.
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { pathToFileURL } from "node:url";
+import { test } from "node:test";
+
+const root = new URL("../../../", import.meta.url);
+const shisei = await import(pathToFileURL(join(process.env.SHISEI_PACKAGE, "node.js")));
+const { sheet, orient, readRecording, ShapeError, DomainError, ConditionError, RecordingError, Table } = shisei;
+const file = (name) => ({ name, bytes: readFileSync(new URL(`examples/${name}`, root)) });
+const close = (found, expected, tolerance) => {
+  assert.equal(found.length, expected.length);
+  found.forEach((value, k) => assert.ok(Math.abs(value - expected[k]) <= tolerance * Math.max(1, Math.abs(expected[k])), `${value} for ${expected[k]}`));
+};
+
+shisei.setLanguage("en");
+
+for (const example of JSON.parse(readFileSync(new URL("fixtures/functions/examples.json", root)))) {
+  test(`the example of ${example.name}`, () => {
+    const found = sheet[example.name](...example.args);
+    if (example.expected === null) {
+      assert.equal(typeof found, "string");
+    } else if (typeof example.expected === "boolean") {
+      assert.equal(found, example.expected);
+    } else {
+      const flat = found instanceof Table ? found.data : typeof found === "number" ? [found] : found;
+      close([...flat], example.expected.flat(), example.tolerance);
+    }
+  });
+}
+
+test("attitudes have the bits of the command line", () => {
+  const folder = mkdtempSync(join(tmpdir(), "shisei-js-"));
+  try {
+    for (const filter of ["shisei", "shisei-online", "mahony", "mahony-adaptive", "complementary", "gyro", "gyro-rk4"]) {
+      const csv = join(folder, `${filter}.csv`);
+      const command = ["orient", "examples/pelvis.csv", "--no-report", "--filter", filter, "-o", csv];
+      execFileSync(process.env.SHISEI, command, { cwd: root, stdio: "ignore" });
+      const [names, ...lines] = readFileSync(csv, "utf8").trim().split("\n").map((line) => line.split(","));
+      const recording = readRecording(file("pelvis.csv"));
+      const found = orient(recording, { filter });
+      const columns = {
+        time_s: recording.timeS,
+        ...Object.fromEntries(["q_w", "q_x", "q_y", "q_z"].map((name, k) => [name, found.worldFromBody.column(k)])),
+        ...Object.fromEntries(["yaw_rad", "pitch_rad", "roll_rad"].map((name, k) => [name, found.yprRad().column(k)])),
+      };
+      for (const [name, values] of Object.entries(columns)) {
+        const at = names.indexOf(name);
+        assert.deepEqual([...values], lines.map((cells) => Number(cells[at])).map((x) => (x === 0 ? 0 : x)), `${filter} ${name}`);
+      }
+    }
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+});
+
+test("a recording says what it is", () => {
+  const found = readRecording(file("pelvis.csv"));
+  assert.equal(found.dialect, "mu-01");
+  assert.equal(found.rateHz, 100);
+  assert.deepEqual([found.timeS.length, found.accMS2.rows, found.gyroRadS.columns], [1671, 1671, 3]);
+  assert.ok(found.assumptions.length > 0 && found.warnings.length === 0);
+});
+
+test("what a file does not say can be said", () => {
+  const text = "1,2,3,4,5,6,7\n".repeat(3).split("\n").filter(Boolean).map((line, k) => `${k},${line.slice(2)}`).join("\n");
+  const bytes = new TextEncoder().encode(`t,a,b,c,d,e,f\n${text}\n`);
+  const columns = "time=t,gyr_x=a,gyr_y=b,gyr_z=c,acc_x=d,acc_y=e,acc_z=f";
+  const found = readRecording({ name: "odd.csv", bytes }, { columns, units: "acc=g,gyr=deg/s,time=s", rateHz: 10 });
+  close([...found.accMS2.row(0)], [5, 6, 7].map((x) => x * 9.80665), 1e-14);
+  close([...found.gyroRadS.row(2)], [2, 3, 4].map((x) => (x * Math.PI) / 180), 1e-14);
+  assert.throws(() => readRecording({ name: "odd.csv", bytes }, { units: "acc=furlong" }), RecordingError);
+  assert.throws(() => readRecording({ name: "odd.csv", bytes }, { unit: "g" }), /no option unit/);
+  assert.throws(() => readRecording({ name: "odd.csv" }), /name, bytes/);
+});
+
+const level = (rows, rate = 0) => ({
+  gyroRadS: Array.from({ length: rows }, () => [0, 0, rate]),
+  accMS2: Array.from({ length: rows }, () => [0, 0, 9.80665]),
+});
+
+test("rows, flat lists, typed arrays and tables are the same", () => {
+  const { gyroRadS, accMS2 } = level(300, 0.01);
+  const settings = { filter: "mahony", rest: null };
+  const expected = orient({ gyroRadS, accMS2, rateHz: 100 }, settings).worldFromBody.data;
+  const given = [
+    { gyroRadS: gyroRadS.flat(), accMS2: accMS2.flat(), dtS: 0.01 },
+    { gyroRadS: Float64Array.from(gyroRadS.flat()), accMS2: sheet.QuatsRotateVec3(Array(300).fill([1, 0, 0, 0]), [0, 0, 9.80665]), dtS: Array(300).fill(0.01) },
+    { gyroRadS: gyroRadS.map((row) => Float64Array.from(row)), accMS2, timeS: gyroRadS.map((_, k) => k * 0.01), },
+  ];
+  given.slice(0, 2).forEach((readings) => assert.deepEqual(orient(readings, settings).worldFromBody.data, expected));
+  close([...orient(given[2], settings).worldFromBody.data], [...expected], 1e-12);
+});
+
+test("one sample at a time has the bits of many", () => {
+  const recording = readRecording(file("pelvis.csv"));
+  const settings = { filter: "mahony", kp: 0.5, ki: 0.01, rest: [0, 300] };
+  const whole = orient(recording, settings);
+  const mahony = new shisei.Mahony({ start: whole.start, kp: 0.5, ki: 0.01 });
+  for (let k = 0; k < recording.timeS.length; k += 1) {
+    const gyro = recording.gyroRadS.row(k).map((rate, axis) => rate - whole.gyroBiasRadS[axis]);
+    mahony.update(gyro, recording.accMS2.row(k), recording.dtS[k]);
+  }
+  assert.deepEqual(mahony.worldFromBody, whole.worldFromBody.row(whole.worldFromBody.rows - 1));
+  const estimator = new shisei.Estimator();
+  const states = [...recording.gyroRadS].map((gyro, k) => estimator.update(gyro, recording.accMS2.row(k), recording.dtS[k]));
+  assert.ok(states.some((state) => state.rest) && states.at(-1).sigmaTiltRad < 0.05);
+  assert.deepEqual(estimator.state, states.at(-1));
+});
+
+test("refusals have a kind and a sentence, in both languages", () => {
+  const readings = { ...level(300), rateHz: 100 };
+  const refusals = [
+    [ShapeError, () => orient({ ...readings, gyroRadS: [[1, 2]] })],
+    [ShapeError, () => orient({ ...readings, accMS2: readings.accMS2.slice(1) })],
+    [ShapeError, () => orient({ ...readings, accMS2: readings.accMS2.map(() => ["0", "0", "9.8"]) })],
+    [ShapeError, () => orient({ ...readings, accMS2: undefined })],
+    [ShapeError, () => sheet.Quat2Ypr([1, 0, 0])],
+    [ShapeError, () => sheet.Quat2Ypr()],
+    [ShapeError, () => sheet.Quat2Ypr([1, 0, 0, 0], 1)],
+    [DomainError, () => sheet.Quat2Ypr([0, 0, 0, 0])],
+    [DomainError, () => orient(readings, { filter: "kalman" })],
+    [DomainError, () => orient(readings, { forward: "up" })],
+    [DomainError, () => orient(readings, { rest: [0, 1000] })],
+    [DomainError, () => orient({ ...readings, rateHz: 0 })],
+    [DomainError, () => orient({ ...level(3), timeS: [0, 1, 1] })],
+    [TypeError, () => orient({ ...readings, dtS: 0.01 })],
+    [TypeError, () => orient(readings, { kp: 1 })],
+    [TypeError, () => orient(readings, { gains: 1 })],
+    [ConditionError, () => orient({ ...level(20), rateHz: 100 }, { filter: "mahony" })],
+    [RecordingError, () => readRecording({ name: "a.csv", bytes: new TextEncoder().encode("a,b\n1,2\n") })],
+    [DomainError, () => new shisei.Mahony({ kp: -1 })],
+  ];
+  for (const [Kind, refused] of refusals) {
+    const sentences = ["en", "ja"].map((lang) => {
+      shisei.setLanguage(lang);
+      try {
+        refused();
+      } catch (error) {
+        assert.ok(error instanceof Kind, `${refused}: ${error}`);
+        return error.message;
+      }
+      return assert.fail(`${refused} was taken`);
+    });
+    assert.notEqual(sentences[0], sentences[1]);
+    assert.match(sentences[1], /[ぁ-ん]/);
+  }
+  shisei.setLanguage("en");
+});
