@@ -106,29 +106,15 @@ pub(crate) fn level(norm: f64, whole_numbers: bool) -> Level {
 /// Samples at the end of a sensor's range, per axis: how many, and the level. Only axes whose extreme is
 /// above `floor` and stands in at least three rows that follow each other count.
 pub(crate) fn clipped(values: &[Vec3], floor: f64) -> ([usize; 3], Vec3) {
-    // Four rows at a time: their maxima need not wait for each other.
-    let (fours, last) = values.as_chunks::<4>();
-    let mut most = [[0.0f64; 3]; 4];
-    let larger = |most: &mut Vec3, v: &Vec3| {
-        for i in 0..3 {
-            let size = v[i].abs();
-            most[i] = if size > most[i] { size } else { most[i] };
-        }
-    };
-    for four in fours {
-        for (most, v) in most.iter_mut().zip(four) {
-            larger(most, v);
-        }
-    }
+    let blocks = values.chunks(BLOCK);
+    let greatest: Vec<Vec3> = blocks.clone().map(greatest).collect();
     let mut extreme = [0.0f64; 3];
-    for v in most.iter().chain(last) {
-        larger(&mut extreme, v);
-    }
+    greatest.iter().for_each(|v| larger(&mut extreme, v));
     let limit = extreme.map(|e| e * (1.0 - 1e-3));
     let ends = |v: &Vec3| [0, 1, 2].map(|i| v[i].abs() >= limit[i]);
     let (mut total, mut run, mut longest) = ([0usize; 3], [0usize; 3], [0usize; 3]);
-    for rows in fours.iter().map(<[Vec3; 4]>::as_slice).chain([last]) {
-        if !rows.iter().fold(false, |any, v| any | ends(v).iter().fold(false, |any, end| any | end)) {
+    for (rows, greatest) in blocks.zip(&greatest) {
+        if ends(greatest) == [false; 3] {
             run = [0; 3];
             continue;
         }
@@ -148,6 +134,31 @@ pub(crate) fn clipped(values: &[Vec3], floor: f64) -> ([usize; 3], Vec3) {
         }
     }
     (total, extreme)
+}
+
+/// Rows of which one is looked for that is large before each is looked at.
+const BLOCK: usize = 64;
+
+/// Greatest sizes per axis.
+fn greatest(rows: &[Vec3]) -> Vec3 {
+    // Four rows at a time: their maxima need not wait for each other.
+    let (fours, last) = rows.as_chunks::<4>();
+    let mut most = [[0.0; 3]; 4];
+    for four in fours {
+        for (most, v) in most.iter_mut().zip(four) {
+            larger(most, v);
+        }
+    }
+    let mut all = [0.0; 3];
+    most.iter().chain(last).for_each(|v| larger(&mut all, v));
+    all
+}
+
+fn larger(most: &mut Vec3, v: &Vec3) {
+    for i in 0..3 {
+        let size = v[i].abs();
+        most[i] = if size > most[i] { size } else { most[i] };
+    }
 }
 
 /// How the direction of gravity in the sensor moves against what the gyro says: for slow motion the
