@@ -1,6 +1,6 @@
 // The public names; `index.d.ts` says what they take and give.
 import { DomainError, ShapeError, kindly, native, say } from "./state.js";
-import { Table, number, rectangle, series, steps, table, vector } from "./table.js";
+import { Table, number, rate, rectangle, series, steps, table, vector } from "./table.js";
 
 export { Table };
 export { ConditionError, DomainError, RecordingError, ShapeError } from "./state.js";
@@ -66,10 +66,14 @@ export class Recording {
 }
 
 const SAID = ["units", "columns", "axes", "scale"];
-const ASKED = [...SAID, "rateHz", "sensor", "skipBadRows"];
+const TEXTS = [...SAID, "sensor"];
 
 export function readRecording(files, options = {}) {
-  known(options, ASKED, "readRecording");
+  known(options, [...TEXTS, "rateHz", "skipBadRows"], "readRecording");
+  const strangeText = TEXTS.find((what) => !["string", "undefined"].includes(typeof options[what]));
+  if (strangeText !== undefined) {
+    throw new TypeError(say(`${strangeText} must be a text`, `${strangeText} は文字列で指定してください`));
+  }
   const list = Array.isArray(files) ? files : [files];
   const strange = list.some((file) => typeof file?.name !== "string" || !(file.bytes instanceof Uint8Array));
   if (list.length === 0 || strange) {
@@ -77,7 +81,8 @@ export function readRecording(files, options = {}) {
       "ファイルは { name, bytes } で、bytes は Uint8Array で指定してください"));
   }
   return kindly((wasm) => {
-    const reading = new wasm.Reading(options.rateHz, options.sensor, options.skipBadRows === true);
+    const rateHz = options.rateHz === undefined ? undefined : rate(options.rateHz);
+    const reading = new wasm.Reading(rateHz, options.sensor, options.skipBadRows === true);
     try {
       SAID.filter((what) => options[what] !== undefined).forEach((what) => reading.say(what, options[what]));
       return new Recording(wasm.readRecording(list.map(({ name }) => name), list.map(({ bytes }) => bytes), reading));
@@ -87,7 +92,11 @@ export function readRecording(files, options = {}) {
   });
 }
 
+/** Refuses what is no object of options, and options that there are not. */
 function known(options, names, where) {
+  if (typeof options !== "object" || options === null) {
+    throw new TypeError(say(`${where}: options are given as an object`, `${where}：指定はオブジェクトで渡してください`));
+  }
   const strange = Object.keys(options).find((name) => !names.includes(name));
   if (strange !== undefined) {
     throw new TypeError(say(`${where}: there is no option ${strange}; there are ${names.join(", ")}`,
@@ -99,13 +108,13 @@ const GAIN = { kpMax: 2, kpMin: 0.05, upperStart: 10.3, upperEnd: 14.7, lowerSta
 
 /** Filters: the settings that they take, and their parameters in the module's order. */
 const FILTERS = {
-  shisei: [[], () => []],
-  "shisei-online": [[], () => []],
-  mahony: [["kp", "ki"], ({ kp = 0.2, ki = 0 }) => [kp, ki]],
-  "mahony-adaptive": [["gain", "ki"], ({ gain = {}, ki = 0 }) => [...Object.values({ ...GAIN, ...gain }), ki]],
-  complementary: [["alpha"], ({ alpha = 0.98 }) => [alpha]],
-  gyro: [[], () => []],
-  "gyro-rk4": [[], () => []],
+  shisei: [[], () => ({})],
+  "shisei-online": [[], () => ({})],
+  mahony: [["kp", "ki"], ({ kp = 0.2, ki = 0 }) => ({ kp, ki })],
+  "mahony-adaptive": [["gain", "ki"], ({ gain = {}, ki = 0 }) => ({ ...GAIN, ...gain, ki })],
+  complementary: [["alpha"], ({ alpha = 0.98 }) => ({ alpha })],
+  gyro: [[], () => ({})],
+  "gyro-rk4": [[], () => ({})],
 };
 const OF_FILTERS = ["kp", "ki", "gain", "alpha"];
 
@@ -139,10 +148,14 @@ export function orient(readings, settings = {}) {
       `${idle} は filter ${filter} では使えません。外してください`));
   }
   known(settings.gain ?? {}, Object.keys(GAIN), "gain");
+  if (typeof readings !== "object" || readings === null) {
+    throw new ShapeError(say("readings are given as a Recording or as { gyroRadS, accMS2, rateHz }",
+      "計測値は Recording か { gyroRadS, accMS2, rateHz } で指定してください"));
+  }
   const gyro = series(readings.gyroRadS, 3, "gyroRadS");
   const acc = series(readings.accMS2, 3, "accMS2");
   const step = readings instanceof Recording ? readings.dtS : steps(gyro.rows, readings);
-  const given = Float64Array.from(parameters(settings), (value) => number(value, filter));
+  const given = Float64Array.from(Object.entries(parameters(settings)), ([name, value]) => number(value, name));
   const rows = restRows(rest, gyro.rows);
   return new Orientation(kindly((wasm) => wasm.orient(
     filter, given, gyro.data, acc.data, step, rest === "auto", rows, axis(forward), number(gravityMS2, "gravityMS2"),

@@ -96,17 +96,22 @@ export function number(value, name) {
   return value;
 }
 
+/** A sampling rate, Hz. */
+export function rate(value) {
+  if (!(number(value, "rateHz") > 0 && value < Infinity)) {
+    throw new DomainError(say(`rateHz is ${value}; it must be a finite number greater than 0`,
+      `rateHz が ${value} です。0 より大きい有限の数値にしてください`));
+  }
+  return value;
+}
+
 /** The step, from the one of `rateHz`, `timeS` and `dtS` that is given: one number, or one a sample. */
 export function steps(rows, { rateHz, timeS, dtS }) {
   if ([rateHz, timeS, dtS].filter((given) => given !== undefined).length !== 1) {
     throw new TypeError(say("give exactly one of rateHz, timeS and dtS", "rateHz、timeS、dtS のうち 1 つだけを指定してください"));
   }
   if (rateHz !== undefined) {
-    if (!(number(rateHz, "rateHz") > 0 && rateHz < Infinity)) {
-      throw new DomainError(say(`rateHz is ${rateHz}; it must be a finite number greater than 0`,
-        `rateHz が ${rateHz} です。0 より大きい有限の数値にしてください`));
-    }
-    return Float64Array.of(1 / rateHz);
+    return Float64Array.of(1 / rate(rateHz));
   }
   if (dtS !== undefined) {
     return typeof dtS === "number" ? Float64Array.of(dtS) : vector(dtS, rows, "dtS");
