@@ -178,7 +178,7 @@ impl Needs {
             return Ok(());
         }
         let mut command = project.command("npm");
-        command.args(["install", "--no-audit", "--no-fund", "--no-save", "--prefix"]);
+        command.args(["install", "--no-audit", "--no-fund", "--save-exact", "--prefix"]);
         command.arg(project.target().join("npm")).args(&self.npm);
         quietly(&mut command)
     }
