@@ -5,7 +5,7 @@ use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
 use shisei_core::Lang;
-use shisei_record::{AxisMap, Columns, Input, Options, Problem, Recording, Scale, Stream, Units};
+use shisei_record::{Input, Options, Problem, Recording, Stream};
 
 use crate::args::Reading;
 use crate::fail::{Exit, Failure, Outcome, say};
@@ -190,17 +190,11 @@ pub fn options(reading: &Reading, lang: Lang) -> Outcome<Options> {
             ),
         )));
     }
-    if let Some(text) = &reading.columns {
-        options.columns = Some(Columns::parse(text).map_err(refuse)?);
-    }
-    if let Some(text) = &reading.units {
-        options.units = Units::parse(text).map_err(refuse)?;
-    }
-    if let Some(text) = &reading.axes {
-        options.axes = Some(AxisMap::parse(text).map_err(refuse)?);
-    }
-    if let Some(text) = &reading.scale {
-        options.scale = Some(Scale::parse(text).map_err(refuse)?);
+    let said = [&reading.columns, &reading.units, &reading.axes, &reading.scale];
+    for (name, text) in ["columns", "units", "axes", "scale"].into_iter().zip(said) {
+        if let Some(text) = text {
+            options.set(name, text).map_err(refuse)?;
+        }
     }
     Ok(options)
 }

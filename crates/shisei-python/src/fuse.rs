@@ -11,7 +11,7 @@ use shisei_core::sync::rates::{RatesSettings, Start};
 use shisei_core::{Error, Quaternion, Vec3};
 use shisei_functions::last_error::user_lang;
 use shisei_record::motive::{self, LossRule};
-use shisei_record::{Input, Options};
+use shisei_record::{Input, Note, Options, with_names};
 
 /// One body of a Motive take; lost frames are NaN.
 #[pyfunction]
@@ -57,21 +57,46 @@ pub fn read_motive<'py>(
 }
 
 /// An inertial recording of one file or two.
+/// `said`: `columns`, `units`, `axes`, `scale`, as the command line takes them.
 #[pyfunction]
 #[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
-pub fn read_recording(py: Python<'_>, files: Vec<(String, Vec<u8>)>) -> PyResult<Bound<'_, PyDict>> {
+pub fn read_recording(
+    py: Python<'_>,
+    files: Vec<(String, Vec<u8>)>,
+    said: Vec<(String, String)>,
+    rate_hz: Option<f64>,
+    sensor: Option<String>,
+    skip_bad_rows: bool,
+) -> PyResult<Bound<'_, PyDict>> {
     let lang = user_lang();
+    let refuse = |error: shisei_record::Error| DomainError::new_err(in_python(&error.sentence(lang)));
+    let mut options = Options { rate_hz, sensor, skip_bad_rows, ..Options::default() };
+    for (name, text) in &said {
+        options.set(name, text).map_err(refuse)?;
+    }
     let inputs: Vec<Input<'_>> = files.iter().map(|(name, bytes)| Input { name, bytes }).collect();
-    let recording = py
-        .detach(|| shisei_record::open(&inputs, &Options::default()))
-        .map_err(|error| DomainError::new_err(error.sentence(lang)))?;
-    let warnings: Vec<&str> = recording.warnings.iter().map(|note| note.sentence(lang)).collect();
+    let recording = py.detach(|| shisei_record::open(&inputs, &options)).map_err(refuse)?;
+    let sentences =
+        |notes: &[Note]| -> Vec<String> { notes.iter().map(|note| in_python(note.sentence(lang))).collect() };
     let result = PyDict::new(py);
-    result.set_item("warnings", warnings)?;
+    result.set_item("assumptions", sentences(&recording.assumptions))?;
+    result.set_item("warnings", sentences(&recording.warnings))?;
     result.set_item("time_s", PyArray1::from_vec(py, recording.time_s))?;
     result.set_item("acc_m_s2", table::<3>(py, recording.acc_m_s2)?)?;
     result.set_item("gyro_rad_s", table::<3>(py, recording.gyro_rad_s)?)?;
     Ok(result)
+}
+
+/// With the package's names for the command line's options.
+fn in_python(sentence: &str) -> String {
+    with_names(sentence, |option| {
+        let names = ["columns", "units", "axes", "scale", "sensor"];
+        match option {
+            "rate" => Some("rate_hz"),
+            "skip-bad-rows" => Some("skip_bad_rows"),
+            _ => names.into_iter().find(|name| *name == option),
+        }
+    })
 }
 
 fn numbers(pose: Option<Pose>) -> (Vec3, [f64; 4]) {

@@ -1,5 +1,6 @@
 """What a hurried user gives: other kinds of numbers, other units, other shapes. It works, or one sentence says what
 was wrong, in the language in use; it is never wrong in silence."""
+import pathlib
 import warnings
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 import shisei
 from scipy.spatial.transform import Rotation
 
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 TIME = np.arange(2000) / 100
 
 
@@ -137,3 +139,21 @@ def test_a_damaged_calibration_file_is_named(tmp_path):
     shisei.Calibration().save(path)
     path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
     assert shisei.Calibration.load(path).acc_bias_m_s2 == (0, 0, 0)
+
+
+def test_a_file_that_is_not_understood_can_be_explained(tmp_path):
+    path = tmp_path / "odd.csv"
+    path.write_text("t,a,b,c,d,e,f\n" + "".join(f"{k},1,2,3,4,5,6\n" for k in range(100)))
+    with pytest.raises(shisei.DomainError, match="with columns") as caught:
+        shisei.read_recording(path)
+    assert "--" not in str(caught.value)  # no options of the command line
+    said = {"columns": "time=t,gyr_x=a,gyr_y=b,gyr_z=c,acc_x=d,acc_y=e,acc_z=f", "units": "acc=g,gyr=deg/s,time=s"}
+    with pytest.warns(UserWarning):  # nothing weighs 8 g at rest
+        found = shisei.read_recording(path, **said, axes="y,-x,z", rate_hz=50)
+    assert np.allclose(found.acc_m_s2[0], np.array([5, -4, 6]) * 9.80665)
+    assert np.allclose(found.gyro_rad_s[0], np.radians([2, -1, 3]))
+    assert np.allclose(np.diff(found.time_s), 0.02) and found.assumptions == ()  # all was said
+    assert shisei.read_recording(ROOT / "examples/pelvis.csv").assumptions
+    for wrong in ({"units": "acc=furlong"}, {"columns": "acc_q=a"}, {"rate_hz": -1.0}):
+        with pytest.raises(shisei.DomainError):
+            shisei.read_recording(path, **{**said, **wrong})

@@ -52,7 +52,7 @@ pub mod write;
 pub use encoding::Encoding;
 pub use error::{Error, Place, Problem, Result};
 pub use open::{Inspection, inspect, open};
-pub use options::{AxisMap, ColumnRef, Columns, Options, Permutation, Scale, Units};
+pub use options::{AxisMap, ColumnRef, Columns, Options, Permutation, Scale, Units, with_names};
 pub use recording::{Assumption, Channel, Extra, Findings, Gap, LONG_GAP_S, Note, Recording, Warning};
 pub use sheet::Delimiter;
 pub use shisei_core::Lang;

@@ -32,6 +32,40 @@ pub struct Options {
     pub dialect: Option<String>,
 }
 
+impl Options {
+    /// Takes what a user says in words, as the command line's option of that name: `columns`, `units`, `axes`, `scale`.
+    pub fn set(&mut self, name: &str, text: &str) -> Result<()> {
+        match name {
+            "columns" => self.columns = Some(Columns::parse(text)?),
+            "units" => self.units = Units::parse(text)?,
+            "axes" => self.axes = Some(AxisMap::parse(text)?),
+            "scale" => self.scale = Some(Scale::parse(text)?),
+            other => return Err(Error::of_option("option", other, "columns, units, axes or scale")),
+        }
+        Ok(())
+    }
+}
+
+/// A sentence that names the command line's options, with another door's names for them: what `name` gives for `rate`
+/// takes the place of `--rate`.
+pub fn with_names(sentence: &str, name: impl Fn(&str) -> Option<&'static str>) -> String {
+    let mut parts = sentence.split("--");
+    let mut out = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        let end = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
+        let (option, rest) = part.split_at(end);
+        match name(option) {
+            Some(name) => out.push_str(name),
+            None => {
+                out.push_str("--");
+                out.push_str(option);
+            }
+        }
+        out.push_str(rest);
+    }
+    out
+}
+
 /// A column by name or by number.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum ColumnRef {
@@ -272,6 +306,16 @@ impl Delimiter {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn sentences_with_the_names_of_another_door() {
+        let name = |option: &str| (option == "skip-bad-rows").then_some("skipBadRows");
+        let named = |sentence: &str| with_names(sentence, name);
+        assert_eq!(named("row 3; --skip-bad-rows leaves it out"), "row 3; skipBadRows leaves it out");
+        assert_eq!(named("--skip-bad-rows を付ける"), "skipBadRows を付ける");
+        assert_eq!(named("a -- b, --rate 100, --"), "a -- b, --rate 100, --");
+        assert_eq!(named(""), "");
+    }
     use crate::units;
 
     #[test]

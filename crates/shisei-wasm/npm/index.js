@@ -84,7 +84,7 @@ export function readRecording(files, options = {}) {
     const rateHz = options.rateHz === undefined ? undefined : rate(options.rateHz);
     const reading = new wasm.Reading(rateHz, options.sensor, options.skipBadRows === true);
     try {
-      SAID.filter((what) => options[what] !== undefined).forEach((what) => reading.say(what, options[what]));
+      SAID.filter((what) => options[what] !== undefined).forEach((what) => reading.set(what, options[what]));
       return new Recording(wasm.readRecording(list.map(({ name }) => name), list.map(({ bytes }) => bytes), reading));
     } finally {
       reading.free();

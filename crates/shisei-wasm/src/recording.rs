@@ -4,8 +4,7 @@ use crate::arrays::Parts;
 use crate::errors::named;
 use js_sys::Array;
 use shisei_functions::last_error::user_lang;
-use shisei_record::options::{AxisMap, Columns, Scale, Units};
-use shisei_record::{Error, Input, Note, Options, Recording};
+use shisei_record::{Error, Input, Note, Options, Recording, with_names};
 use wasm_bindgen::prelude::*;
 
 /// What a user says of a file, each as the command line takes it.
@@ -21,19 +20,25 @@ impl Reading {
     }
 
     /// One of `units`, `columns`, `axes`, `scale`.
-    pub fn say(&mut self, what: &str, text: &str) -> Result<(), JsValue> {
-        match what {
-            "units" => self.0.units = Units::parse(text).map_err(refusal)?,
-            "columns" => self.0.columns = Some(Columns::parse(text).map_err(refusal)?),
-            "axes" => self.0.axes = Some(AxisMap::parse(text).map_err(refusal)?),
-            _ => self.0.scale = Some(Scale::parse(text).map_err(refusal)?),
-        }
-        Ok(())
+    pub fn set(&mut self, name: &str, text: &str) -> Result<(), JsValue> {
+        self.0.set(name, text).map_err(refusal)
     }
 }
 
 fn refusal(error: Error) -> JsValue {
-    named("RecordingError", &error.sentence(user_lang()))
+    named("RecordingError", &in_javascript(&error.sentence(user_lang())))
+}
+
+/// With the package's names for the command line's options.
+fn in_javascript(sentence: &str) -> String {
+    with_names(sentence, |option| {
+        let names = ["columns", "units", "axes", "scale", "sensor"];
+        match option {
+            "rate" => Some("rateHz"),
+            "skip-bad-rows" => Some("skipBadRows"),
+            _ => names.into_iter().find(|name| *name == option),
+        }
+    })
 }
 
 /// A recording of one file, or of two that belong together.
@@ -52,7 +57,11 @@ pub fn read_recording(
 
 fn told(recording: &Recording) -> JsValue {
     let sentences = |notes: &[Note]| -> JsValue {
-        notes.iter().map(|note| JsValue::from(note.sentence(user_lang()))).collect::<Array>().into()
+        notes
+            .iter()
+            .map(|note| JsValue::from(in_javascript(note.sentence(user_lang()))))
+            .collect::<Array>()
+            .into()
     };
     let found = &recording.findings;
     let mut parts = Parts::new()

@@ -73,6 +73,8 @@ test("what a file does not say can be said", () => {
   close([...found.accMS2.row(0)], [5, 6, 7].map((x) => x * 9.80665), 1e-14);
   close([...found.gyroRadS.row(2)], [2, 3, 4].map((x) => (x * Math.PI) / 180), 1e-14);
   assert.throws(() => readRecording({ name: "odd.csv", bytes }, { units: "acc=furlong" }), RecordingError);
+  const unnamed = { name: "odd.csv", bytes: new TextEncoder().encode("t,a,b\n1,2,3\n") };
+  assert.throws(() => readRecording(unnamed), (error) => error.message.includes("with columns") && !error.message.includes("--"));
   assert.throws(() => readRecording({ name: "odd.csv", bytes }, { unit: "g" }), /no option unit/);
   assert.throws(() => readRecording({ name: "odd.csv" }), /name, bytes/);
 });

@@ -139,7 +139,13 @@ def mean_rate(
     as_measured: bool,
 ) -> dict[str, Any]: ...
 def read_motive(content: bytes, name: str, body: str | None, frozen: int) -> dict[str, Any]: ...
-def read_recording(files: list[tuple[str, bytes]]) -> dict[str, Any]: ...
+def read_recording(
+    files: list[tuple[str, bytes]],
+    said: list[tuple[str, str]],
+    rate_hz: float | None,
+    sensor: str | None,
+    skip_bad_rows: bool,
+) -> dict[str, Any]: ...
 def fuse(
     optical_s: NDArray[float64],
     position_m: NDArray[float64],

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal, NamedTuple, Union
@@ -9,7 +10,7 @@ from typing import Any, Literal, NamedTuple, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Floats, as_floats, say, series
+from ._arrays import Floats, as_floats, say, series, steps
 from ._native import ShapeError
 from ._native import fuse as _fuse
 from ._native import read_motive as _read_motive
@@ -49,6 +50,8 @@ class ImuRecording:
     """(N, 3)"""
     gyro_rad_s: Floats
     """(N, 3)"""
+    assumptions: tuple[str, ...] = ()
+    """What the file did not say, a sentence each."""
 
 
 class Gap(NamedTuple):
@@ -152,11 +155,30 @@ def read_motive(path: Path, *, body: str | None = None, frozen: int = 3) -> Opti
     return OpticalTake(**_read_motive(content, name, body, frozen))
 
 
-def read_recording(*paths: Path) -> ImuRecording:
+def read_recording(*paths: Path, units: str | None = None, columns: str | None = None, axes: str | None = None,
+                   scale: str | None = None, rate_hz: float | None = None, sensor: str | None = None,
+                   skip_bad_rows: bool = False) -> ImuRecording:
     """Reads an inertial recording of any dialect that the command line reads, or the accelerometer's and the
-    gyroscope's files of one recording. Raises OSError, and DomainError where it is no recording."""
-    found = _read_recording([_file(path) for path in paths])
-    return ImuRecording(found["time_s"], found["acc_m_s2"], found["gyro_rad_s"])
+    gyroscope's files of one recording.
+
+    What is not guessed right is said as on the command line: units "acc=g,gyr=deg/s"; columns "acc_x=Ax,acc_y=Ay,…";
+    axes "x,-y,-z"; scale "acc=16384,gyr=131" (counts per g and per deg/s); rate_hz, with which the stamps are left
+    aside; sensor, part of a sensor's name where the file has several; skip_bad_rows leaves out rows that cannot be
+    read. Doubts bring a UserWarning. Raises OSError, and DomainError where it is no recording.
+    """
+    said = {"units": units, "columns": columns, "axes": axes, "scale": scale}
+    return _recording(paths, {k: v for k, v in said.items() if v is not None}, rate_hz, sensor, skip_bad_rows)
+
+
+def _recording(paths: tuple[Path, ...], said: dict[str, str], rate_hz: float | None = None, sensor: str | None = None,
+               skip_bad_rows: bool = False, level: int = 3) -> ImuRecording:
+    """Warns so many calls up."""
+    if rate_hz is not None:
+        steps(1, rate_hz, None)  # refuses what is no rate
+    found = _read_recording([_file(path) for path in paths], list(said.items()), rate_hz, sensor, skip_bad_rows)
+    for sentence in found["warnings"]:
+        warnings.warn(sentence, UserWarning, stacklevel=level)
+    return ImuRecording(found["time_s"], found["acc_m_s2"], found["gyro_rad_s"], tuple(found["assumptions"]))
 
 
 def _column(frame: Any, name: str) -> Any:
@@ -168,7 +190,7 @@ def _column(frame: Any, name: str) -> Any:
 
 def _imu(imu: Any) -> ImuRecording:
     if isinstance(imu, (str, os.PathLike)):
-        return read_recording(imu)
+        return _recording((imu,), {}, level=4)
     if isinstance(imu, ImuRecording):
         parts = (imu.time_s, imu.acc_m_s2, imu.gyro_rad_s)
     elif isinstance(imu, Mapping) and "acc_m_s2" in imu:
