@@ -62,7 +62,7 @@ fn run(run: &mut Run<'_>) {
 /// What the door may cost beside the mathematics.
 const MOST_EXTRA: f64 = 3.0;
 
-/// The XLL against the mathematics, 1,000,000 rows; fails where the door costs more than [`MOST_EXTRA`] times those.
+/// The XLL against the mathematics, 1,000,000 rows; fails where the door costs more than `MOST_EXTRA` times those.
 pub fn speed(project: &Project) -> Result<(), String> {
     let files = windows_files(project)?;
     build_host(project)?;
