@@ -24,7 +24,8 @@ impl Loss {
     }
 }
 
-/// Gives the records of a file in their order, those in chunks as if they stood alone, until `each` breaks. A damaged
+/// Gives the schemas, channels and messages of a file in their order, those in chunks as if they stood alone, and the
+/// end of the data, until `each` breaks. A damaged
 /// part is left out as a whole. Errors: no MCAP, or one whose chunks are compressed.
 pub fn records<'a>(
     file: &'a [u8],
@@ -34,10 +35,10 @@ pub fn records<'a>(
     let mut loss = Loss { parts: 0, cut: true };
     while let Some((kind, content, after)) = split(rest) {
         rest = after;
-        let found = if kind == op::CHUNK {
-            chunk(content)
-        } else {
-            mcap::parse_record(kind, content).map(|record| vec![record])
+        let found = match kind {
+            op::CHUNK => chunk(content),
+            kind if is_read(kind) => mcap::parse_record(kind, content).map(|record| vec![record]),
+            _ => continue,
         };
         match found {
             Ok(records) => {
@@ -54,6 +55,11 @@ pub fn records<'a>(
         }
     }
     Ok(loss)
+}
+
+/// Whether records of this kind are of interest. The decoder panics at attachments that are cut.
+fn is_read(kind: u8) -> bool {
+    matches!(kind, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::DATA_END)
 }
 
 /// Kind and content of the first record, and what follows; nothing where it is not whole.
@@ -82,12 +88,35 @@ fn chunk(content: &[u8]) -> Result<Vec<Record<'static>>, McapError> {
                     let count = rest.read(reader.insert(wanted))?;
                     reader.notify_read(count);
                 }
-                LinearReadEvent::Record { opcode, data } => {
+                LinearReadEvent::Record { opcode, data } if is_read(opcode) => {
                     records.push(mcap::parse_record(opcode, data)?.into_owned());
                 }
+                LinearReadEvent::Record { .. } => {}
             }
         }
         Ok(records)
     });
     catch_unwind(read).unwrap_or(Err(McapError::UnexpectedEof))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Found by the fuzz target `record_mcap`: no room for an attachment's sum.
+    #[test]
+    fn an_attachment_that_is_cut() {
+        let mut file = MAGIC.to_vec();
+        for (kind, content) in [(op::ATTACHMENT, [0; 33].as_slice()), (op::DATA_END, &[0; 4])] {
+            file.push(kind);
+            file.extend((content.len() as u64).to_le_bytes());
+            file.extend(content);
+        }
+        let mut ends = 0;
+        let loss = records(&file, |record| {
+            ends += usize::from(matches!(record, Record::DataEnd(_)));
+            ControlFlow::Continue(())
+        });
+        assert_eq!((loss.unwrap(), ends), (Loss::default(), 1));
+    }
 }
