@@ -89,14 +89,7 @@ pub fn read_recording(
 
 /// With the package's names for the command line's options.
 fn in_python(sentence: &str) -> String {
-    with_names(sentence, |option| {
-        let names = ["columns", "units", "axes", "scale", "sensor"];
-        match option {
-            "rate" => Some("rate_hz"),
-            "skip-bad-rows" => Some("skip_bad_rows"),
-            _ => names.into_iter().find(|name| *name == option),
-        }
-    })
+    with_names(sentence, "rate_hz", "skip_bad_rows")
 }
 
 fn numbers(pose: Option<Pose>) -> (Vec3, [f64; 4]) {

@@ -1,7 +1,9 @@
 """The rich API: units, shapes, frames, calibration files, threads."""
 import csv
 import json
+import os
 import pathlib
+import subprocess
 import threading
 import time
 
@@ -208,3 +210,16 @@ def test_many_recordings_are_each_alone():
             shisei.many(shisei.mahony, trials, threads=threads, rate_hz=100)
     with pytest.raises(ValueError, match="threads"):
         shisei.many(shisei.mahony, [], threads=-1)
+
+
+@pytest.mark.skipif("SHISEI" not in os.environ, reason="SHISEI names the command to compare with")
+@pytest.mark.parametrize("relative", ["world", "body", "none"])
+def test_angles_have_the_bits_of_the_command_line(relative, tmp_path):
+    out = tmp_path / "out.csv"
+    command = [os.environ["SHISEI"], "orient", ROOT / "examples/pelvis.csv", "--no-report", "--json", "-o", out]
+    told = subprocess.run([*command, "--relative", relative], check=True, capture_output=True, text=True)
+    with open(out, encoding="utf-8") as f:
+        rows = np.array([[float(x) for x in row[1:8]] for row in list(csv.reader(f))[1:]])
+    q, ypr = np.ascontiguousarray(rows[:, :4]), rows[:, 4:]
+    found = shisei.Orientation(q, tuple(json.loads(told.stdout)["start_q_wxyz"]), None, (0.0, 0.0, 0.0))
+    assert np.array_equal(found.ypr_rad(relative), ypr)

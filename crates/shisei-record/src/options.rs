@@ -46,17 +46,19 @@ impl Options {
     }
 }
 
-/// A sentence that names the command line's options, with another door's names for them: what `name` gives for `rate`
-/// takes the place of `--rate`.
-pub fn with_names(sentence: &str, name: impl Fn(&str) -> Option<&'static str>) -> String {
+/// A sentence that names the command line's options, as a door says it where they are called as fields of [`Options`]:
+/// two have more than one word, and are spelt as that language does.
+pub fn with_names(sentence: &str, rate_hz: &str, skip_bad_rows: &str) -> String {
     let mut parts = sentence.split("--");
     let mut out = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let end = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
         let (option, rest) = part.split_at(end);
-        match name(option) {
-            Some(name) => out.push_str(name),
-            None => {
+        match option {
+            "columns" | "units" | "axes" | "scale" | "sensor" => out.push_str(option),
+            "rate" => out.push_str(rate_hz),
+            "skip-bad-rows" => out.push_str(skip_bad_rows),
+            _ => {
                 out.push_str("--");
                 out.push_str(option);
             }
@@ -309,11 +311,11 @@ mod tests {
 
     #[test]
     fn sentences_with_the_names_of_another_door() {
-        let name = |option: &str| (option == "skip-bad-rows").then_some("skipBadRows");
-        let named = |sentence: &str| with_names(sentence, name);
+        let named = |sentence: &str| with_names(sentence, "rateHz", "skipBadRows");
         assert_eq!(named("row 3; --skip-bad-rows leaves it out"), "row 3; skipBadRows leaves it out");
         assert_eq!(named("--skip-bad-rows を付ける"), "skipBadRows を付ける");
-        assert_eq!(named("a -- b, --rate 100, --"), "a -- b, --rate 100, --");
+        assert_eq!(named("--units time=ms, or --rate 100"), "units time=ms, or rateHz 100");
+        assert_eq!(named("a -- b, --dialect x, --"), "a -- b, --dialect x, --");
         assert_eq!(named(""), "");
     }
     use crate::units;

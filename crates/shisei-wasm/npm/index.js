@@ -48,7 +48,7 @@ export const sheet = new Proxy({}, {
   get: (_, name) => all()[name],
   has: (_, name) => name in all(),
   ownKeys: () => Reflect.ownKeys(all()),
-  getOwnPropertyDescriptor: (_, name) => ({ ...Object.getOwnPropertyDescriptor(all(), name), configurable: true }),
+  getOwnPropertyDescriptor: (_, name) => Object.getOwnPropertyDescriptor(all(), name),
 });
 
 function all() {

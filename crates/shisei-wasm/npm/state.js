@@ -46,8 +46,8 @@ export function kindly(run) {
   try {
     return run(native());
   } catch (error) {
-    const Kind = error instanceof Error && !(error.name in KINDS && error instanceof KINDS[error.name]) && KINDS[error.name];
-    throw Kind ? new Kind(error.message) : error;
+    const Kind = KINDS[error?.name];
+    throw Kind && !(error instanceof Kind) ? new Kind(error.message) : error;
   }
 }
 

@@ -31,14 +31,7 @@ fn refusal(error: Error) -> JsValue {
 
 /// With the package's names for the command line's options.
 fn in_javascript(sentence: &str) -> String {
-    with_names(sentence, |option| {
-        let names = ["columns", "units", "axes", "scale", "sensor"];
-        match option {
-            "rate" => Some("rateHz"),
-            "skip-bad-rows" => Some("skipBadRows"),
-            _ => names.into_iter().find(|name| *name == option),
-        }
-    })
+    with_names(sentence, "rateHz", "skipBadRows")
 }
 
 /// A recording of one file, or of two that belong together.

@@ -3,6 +3,7 @@
 use super::Suite;
 use crate::artefacts::python_wheel;
 use crate::needs::Needs;
+use crate::programs;
 use crate::run::{Run, must};
 use crate::tally;
 
@@ -28,7 +29,12 @@ fn run(run: &mut Run<'_>) {
     if let Err(reason) = installed {
         return run.fail("the package", &reason);
     }
+    let shisei = match programs::shisei(project) {
+        Ok(shisei) => shisei,
+        Err(reason) => return run.fail("shisei", &reason),
+    };
     let mut tests = project.command(&python);
+    tests.env("SHISEI", shisei);
     tests.args(["-m", "pytest", "-q", "-p", "no:cacheprovider", "crates/shisei-python/tests"]);
     run.tests("pytest", &mut tests, tally::pytest);
     let mut types = project.command(&python);

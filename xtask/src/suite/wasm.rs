@@ -1,6 +1,7 @@
 //! WebAssembly: the same bits as the host under Node, and the JavaScript package as users get it, there and in Chromium.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::Duration;
 
 use super::Suite;
@@ -74,7 +75,7 @@ fn under_node(project: &Project) -> Result<String, String> {
 }
 
 /// Installs the package into a folder of its own, with a file that uses its types beside it; gives where it is.
-fn installed(project: &Project, package: &Path) -> Result<std::path::PathBuf, String> {
+fn installed(project: &Project, package: &Path) -> Result<PathBuf, String> {
     let folder = project.target().join("npm-user");
     let _ = std::fs::remove_dir_all(&folder); // an older package must not stay
     std::fs::create_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
@@ -87,7 +88,7 @@ fn installed(project: &Project, package: &Path) -> Result<std::path::PathBuf, St
     Ok(folder.join("node_modules/shisei"))
 }
 
-fn types(project: &Project, package: &Path) -> std::process::Command {
+fn types(project: &Project, package: &Path) -> Command {
     let mut tsc = project.command("node");
     tsc.arg(project.target().join("npm/node_modules/typescript/bin/tsc"));
     tsc.args(["--noEmit", "--strict", "--exactOptionalPropertyTypes", "--target", "es2022"]);
