@@ -24,9 +24,8 @@ impl Loss {
     }
 }
 
-/// Gives the schemas, channels and messages of a file in their order, those in chunks as if they stood alone, and the
-/// end of the data, until `each` breaks. A damaged
-/// part is left out as a whole. Errors: no MCAP, or one whose chunks are compressed.
+/// Gives a file's header, schemas, channels and messages in their order, those in chunks as if they stood alone, and the
+/// end of the data, until `each` breaks. A damaged part is left out as a whole. Errors: no MCAP, or one whose chunks are compressed.
 pub fn records<'a>(
     file: &'a [u8],
     mut each: impl FnMut(Record<'a>) -> ControlFlow<()>,
@@ -59,7 +58,7 @@ pub fn records<'a>(
 
 /// Whether records of this kind are of interest. The decoder panics at attachments that are cut.
 fn is_read(kind: u8) -> bool {
-    matches!(kind, op::SCHEMA | op::CHANNEL | op::MESSAGE | op::DATA_END)
+    matches!(kind, op::HEADER | op::SCHEMA | op::CHANNEL | op::MESSAGE | op::DATA_END)
 }
 
 /// Kind and content of the first record, and what follows; nothing where it is not whole.
