@@ -31,6 +31,8 @@ mod parquet_pages;
 #[cfg(feature = "parquet")]
 mod parquet_read;
 #[cfg(feature = "parquet")]
+mod parquet_thrift;
+#[cfg(feature = "parquet")]
 pub mod parquet_write;
 pub mod plan;
 pub mod recording;

@@ -4,6 +4,28 @@ use parquet::basic::{Encoding, Type};
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::errors::{ParquetError, Result};
 
+use crate::parquet_thrift::{Walker, number};
+
+/// An error where the headers of the pages in a part of a file, from a byte on and so many bytes long, say more values
+/// than they have bytes: the decoder would count them.
+pub(crate) fn check_headers(file: &[u8], (start, length): (u64, u64)) -> Result<()> {
+    let walk = || {
+        let mut walker = Walker::new(file.get(usize::try_from(start).ok()?..)?);
+        let end = walker.rest.len().checked_sub(usize::try_from(length).ok()?)?;
+        while walker.rest.len() > end {
+            let mut size = None;
+            walker.structure(|field, value| {
+                if field == 3 {
+                    size = Some(value); // as stored
+                }
+            })?;
+            walker.pass(u64::try_from(size?).ok()?)?;
+        }
+        Some(())
+    };
+    walk().ok_or_else(|| damaged("a damaged page header"))
+}
+
 /// Looks at each page before it is decoded.
 pub(crate) struct Checked {
     pub pages: Box<dyn PageReader>,
@@ -133,20 +155,6 @@ fn after_deltas(bytes: &[u8], most: u64) -> Option<&[u8]> {
     Some(rest)
 }
 
-/// A number of seven bits a byte, the lowest first.
-fn number(bytes: &mut &[u8]) -> Option<u64> {
-    let mut value = 0;
-    for shift in (0..64).step_by(7) {
-        let (byte, rest) = bytes.split_first()?;
-        *bytes = rest;
-        value |= u64::from(byte & 0x7F) << shift;
-        if byte & 0x80 == 0 {
-            return Some(value);
-        }
-    }
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use crate::{Input, Options, Problem, Recording, open};
@@ -174,9 +182,13 @@ mod tests {
         let properties = WriterProperties::builder()
             .set_dictionary_enabled(false)
             .set_statistics_enabled(EnabledStatistics::None)
-            .set_writer_version(version)
-            .set_column_encoding(ColumnPath::from("note"), encoding)
-            .build();
+            .set_writer_version(version);
+        let texts = ColumnPath::from("note");
+        let properties = match encoding {
+            Encoding::RLE_DICTIONARY => properties.set_column_dictionary_enabled(texts, true),
+            _ => properties.set_column_encoding(texts, encoding),
+        };
+        let properties = properties.build();
         let schema = Arc::new(parse_message_type(&schema).unwrap());
         let mut writer = SerializedFileWriter::new(Vec::new(), schema, Arc::new(properties)).unwrap();
         let mut group = writer.next_row_group().unwrap();
@@ -249,6 +261,35 @@ mod tests {
                 let Problem::Damaged { detail, .. } = read(&bad).unwrap_err().problem else { panic!() };
                 assert!(detail.starts_with("Parquet error: a page has fewer values"), "{detail}");
             }
+        }
+    }
+    #[test]
+    fn a_dictionary_said_to_be_longer_than_its_page() {
+        let bytes = file(Encoding::RLE_DICTIONARY, WriterVersion::PARQUET_1_0, "required");
+        // The header of a dictionary in plain encoding (field 7): its number of values, then 0, and the ends.
+        let head = [0x4C, 0x15, (ROWS * 2 % 128) as u8 | 0x80, (ROWS * 2 / 128) as u8, 0x15, 0x00];
+        let place = bytes.windows(head.len()).position(|window| window == head).unwrap();
+        let mut bad = bytes.clone();
+        bad[place + 2..place + 4].copy_from_slice(&[0xFE, 0x7F]); // 8191
+        let Problem::Damaged { detail, .. } = read(&bad).unwrap_err().problem else { panic!() };
+        assert_eq!(detail, "Parquet error: a dictionary is cut short");
+    }
+
+    /// Found by the fuzz target `record_parquet`: a list of 2^31 - 1 yeses and noes took the decoder two seconds, and
+    /// there is room for hundreds.
+    #[test]
+    fn a_list_of_more_values_than_bytes_is_not_counted() {
+        let long = [0xF9, 0xF1, 0xFF, 0xFF, 0xFF, 0xFF, 0x07]; // field 15
+        let bytes = file(Encoding::PLAIN, WriterVersion::PARQUET_1_0, "required");
+        let footer = u32::from_le_bytes(*bytes[..bytes.len() - 4].last_chunk().unwrap()) as usize;
+        for (place, expected) in [
+            (4, "Parquet error: a damaged page header"), // the first page's, behind "PAR1"
+            (bytes.len() - 8 - footer, "a damaged footer"),
+        ] {
+            let mut bad = bytes.clone();
+            bad[place..place + long.len()].copy_from_slice(&long);
+            let Problem::Damaged { detail, .. } = read(&bad).unwrap_err().problem else { panic!() };
+            assert_eq!(detail, expected);
         }
     }
 }

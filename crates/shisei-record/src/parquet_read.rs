@@ -4,7 +4,8 @@ use crate::body::{self, Body, SLOTS, TimeForm, Wanted};
 use crate::encoding::Encoding;
 use crate::error::{Error, Place, Problem, Result, shorten};
 use crate::open::UNPACKED_LIMIT;
-use crate::parquet_pages::Checked;
+use crate::parquet_pages::{Checked, check_headers};
+use crate::parquet_thrift::Walker;
 use crate::sheet::{Delimiter, Sheet};
 use bytes::Bytes;
 use parquet::basic::{LogicalType, TimeUnit, Type};
@@ -25,6 +26,7 @@ pub(crate) fn recognises(bytes: &[u8]) -> bool {
 
 /// An opened file.
 pub(crate) struct File {
+    bytes: Bytes,
     reader: SerializedFileReader<Bytes>,
     rows: usize,
 }
@@ -51,8 +53,11 @@ fn guarded<T>(name: &str, work: impl FnOnce() -> parquet::errors::Result<T>) -> 
 
 /// Opens a file: its metadata only.
 pub(crate) fn open(name: &str, bytes: &[u8]) -> Result<File> {
-    let copy = Bytes::copy_from_slice(bytes);
-    let reader = guarded(name, || SerializedFileReader::new(copy))?;
+    let bytes = Bytes::copy_from_slice(bytes);
+    if footer(&bytes).is_some_and(|footer| Walker::new(footer).structure(|_, _| {}).is_none()) {
+        return Err(damaged(name, "a damaged footer"));
+    }
+    let reader = guarded(name, || SerializedFileReader::new(bytes.clone()))?;
     let rows = reader.metadata().file_metadata().num_rows();
     let rows = usize::try_from(rows).map_err(|_| damaged(name, "a negative number of rows"))?;
     let columns = reader.metadata().file_metadata().schema_descr().num_columns();
@@ -63,7 +68,14 @@ pub(crate) fn open(name: &str, bytes: &[u8]) -> Result<File> {
     if columns > 10_000 {
         return Err(damaged(name, "more than 10000 columns"));
     }
-    Ok(File { reader, rows })
+    Ok(File { bytes, reader, rows })
+}
+
+/// The footer, in front of its length and the format's name; nothing where the decoder will say that there is none.
+fn footer(bytes: &[u8]) -> Option<&[u8]> {
+    let (rest, length) = bytes.strip_suffix(b"PAR1")?.split_last_chunk()?;
+    let start = rest.len().checked_sub(u32::from_le_bytes(*length) as usize)?;
+    rest.get(start..)
 }
 
 /// Values of a column, nulls as NaN or empty text.
@@ -226,7 +238,9 @@ impl File {
                 if left == 0 {
                     break;
                 }
-                let pages = self.reader.get_row_group(group)?.get_column_page_reader(index)?;
+                let group = self.reader.get_row_group(group)?;
+                check_headers(&self.bytes, group.metadata().column(index).byte_range())?;
+                let pages = group.get_column_page_reader(index)?;
                 let pages = Checked { pages, kind: column.physical_type(), top, rows: self.rows };
                 let reader = get_column_reader(column.clone(), Box::new(pages));
                 left -= match (reader, &mut out) {
