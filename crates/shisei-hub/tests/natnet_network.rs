@@ -15,7 +15,7 @@ use shisei_hub::live::scene::Scene;
 use shisei_hub::live::{Input, Line, Output, State, What};
 use shisei_hub::natnet::{self, Client, NatNetOut, Stream, Told, id, read, write};
 
-const PATIENCE: Duration = Duration::from_secs(10);
+const PATIENCE: Duration = Duration::from_secs(60);
 const LOOPBACK: Ipv4Addr = Ipv4Addr::LOCALHOST;
 const TICKS_HZ: u64 = 10_000_000;
 

@@ -11,7 +11,7 @@ use shisei_hub::live::scene::OBJECTS_MAX;
 use shisei_hub::live::{self, Board, Hub, Input, Kind, Line, State, What};
 use shisei_hub::natnet::{self, Client, Stream, Told, Version, id, read, write};
 
-const PATIENCE: Duration = Duration::from_secs(15);
+const PATIENCE: Duration = Duration::from_secs(60);
 const GROUP: [u8; 4] = [239, 255, 42, 98];
 
 fn info(version: Version, multicast: bool, group: [u8; 4]) -> natnet::ServerInfo {

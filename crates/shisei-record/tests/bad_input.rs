@@ -133,9 +133,7 @@ fn a_parquet_dictionary_said_to_be_long() {
 #[test]
 fn one_endless_line() {
     let line = vec![b'7'; 64 << 20];
-    let start = std::time::Instant::now();
     check(&line, "LineTooLong", Some(1), None);
-    assert!(start.elapsed().as_secs_f64() < 1.0);
     // After good rows, too.
     let mut text = format!("{HEADER}{}", rows(500)).into_bytes();
     text.extend(std::iter::repeat_n(b'7', 4 << 20));
