@@ -8,6 +8,9 @@ use crate::lanes::Number;
 use crate::math;
 use crate::vector::{self, Vec3};
 
+/// A squared norm this near to 1 is 1 to rounding: products of two attitudes of the filters stay within half of it.
+const UNIT_TO_ROUNDING: f64 = 16.0 * f64::EPSILON;
+
 /// Hamilton product `a ⊗ b` of components w, x, y, z, as [`Quaternion::product`].
 #[inline(always)]
 pub(crate) fn product<T: Number>(a: [T; 4], b: [T; 4]) -> [T; 4] {
@@ -71,7 +74,7 @@ impl Quaternion {
         [self.w, self.x, self.y, self.z]
     }
 
-    /// From a quaternion given by a user: normalised; refused when not finite or zero.
+    /// From a quaternion given by a user: normalised as by [`unit`](Quaternion::unit); refused when not finite or zero.
     pub fn try_normalized(self) -> Result<Self> {
         if !self.is_finite() {
             return Err(Error::NotFinite { row: 0 });
@@ -86,7 +89,16 @@ impl Quaternion {
         } else {
             Quaternion::new(self.w / largest, self.x / largest, self.y / largest, self.z / largest)
         };
-        Ok(q.normalized())
+        Ok(q.unit())
+    }
+
+    /// Divided by its norm, save where that is 1 to rounding: what the filters give out is taken in with the same bits.
+    /// The caller knows that it is neither zero nor huge.
+    #[inline(always)]
+    pub(crate) fn unit(self) -> Self {
+        let square = self.norm_squared();
+        let n = if (square - 1.0).abs() <= UNIT_TO_ROUNDING { 1.0 } else { math::sqrt(square) };
+        Quaternion::new(self.w / n, self.x / n, self.y / n, self.z / n)
     }
 
     /// Divided by its norm. The caller knows that it is neither zero nor huge.

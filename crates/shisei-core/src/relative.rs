@@ -118,7 +118,7 @@ fn units<Q: Into<Quaternion> + Copy>(quaternions: &[Q; BLOCK], components: &mut 
     }
     if ordinary {
         for i in 0..BLOCK {
-            components.set(i, components.at(i).normalized());
+            components.set(i, components.at(i).unit());
         }
     }
     ordinary

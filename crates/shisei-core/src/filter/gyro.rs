@@ -139,9 +139,9 @@ impl GyroOnly for GyroRk4 {
         let x = vector::dot(h, h);
         let (c, s) = ((1.0 - 0.5 * x) + x * x / 24.0, 1.0 - x / 6.0);
         let p = self.world_from_body.product(Quaternion::new(c, s * h[0], s * h[1], s * h[2]));
-        // normalised on entry to a step, so only a turn beyond 1e75 rad fails here: attitude unchanged
-        if let Ok(q) = p.try_normalized() {
-            self.world_from_body = q;
+        // A turn beyond 1e38 rad leaves the attitude unchanged.
+        if p.norm_squared().is_finite() {
+            self.world_from_body = p.normalized();
         }
         self.world_from_body
     }
