@@ -14,9 +14,12 @@ use std::borrow::Cow;
 pub(crate) fn time_form(sheet: &Sheet<'_>, column: usize) -> Option<TimeForm> {
     let cell = sheet.sample.iter().filter_map(|row| row.get(column)).find(|c| !c.trim().is_empty())?;
     let text = cell.trim().as_bytes();
+    let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
+    if let (14 | 17, Some(stamp)) = (digits, stamp::parse(text)) {
+        return Some(TimeForm::Text(stamp.ns)); // 20240501103127, a date and no count
+    }
     match number::cell(text, sheet.decimal) {
         Cell::Number(_) => {
-            let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
             if (10..=18).contains(&digits) {
                 Some(TimeForm::Large(whole(text.get(..digits)?)?))
             } else if digits == 19 {

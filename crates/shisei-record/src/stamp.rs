@@ -98,7 +98,7 @@ fn without_japanese(text: &[u8]) -> Vec<u8> {
 }
 
 /// Reads a stamp: `2024-05-01 10:31:27.812`, `2024/05/01T10:31:27,812+09:00`, `05/01/2024 10:31:27 PM`,
-/// `20240501_103127_812`, `2021-08-20_20:21:13_804`, `10:31:27.812`, `10:31:27:812`, `31:27.8`,
+/// `20240501_103127_812`, `20240501103127812`, `2021-08-20_20:21:13_804`, `10:31:27.812`, `10:31:27:812`, `31:27.8`,
 /// `2024年5月1日 10時31分27.812秒` (also in Shift_JIS).
 pub fn parse(text: &[u8]) -> Option<Stamp> {
     if text.len() > 48 || !text.first().is_some_and(u8::is_ascii_digit) {
@@ -124,12 +124,14 @@ fn parse_ascii(text: &[u8]) -> Option<Stamp> {
     }
     // Zone and half of the day at the end.
     let mut offset_ns = 0i64;
+    let mut of_day = has_date;
     if let Some(head) = rest.strip_suffix(b"Z").or_else(|| rest.strip_suffix(b"z")) {
         rest = head;
     }
     for (suffix, pm) in [(b"PM", true), (b"AM", false), (b"pm", true), (b"am", false)] {
         if let Some(head) = rest.strip_suffix(suffix) {
             rest = head.trim_ascii_end();
+            of_day = true;
             let hour = whole(rest.split(|b| *b == b':').next()?)?;
             if pm && hour < 12 {
                 offset_ns = 12 * 3_600_000_000_000;
@@ -146,7 +148,7 @@ fn parse_ascii(text: &[u8]) -> Option<Stamp> {
     if rest.is_empty() && !has_date {
         return None;
     }
-    let (ns, parts) = clock(rest)?;
+    let (ns, parts) = clock(rest, of_day)?;
     let ns = ns + offset_ns;
     if has_date {
         return Some(Stamp {
@@ -154,15 +156,15 @@ fn parse_ascii(text: &[u8]) -> Option<Stamp> {
             cycle: Cycle::None,
         });
     }
-    Some(Stamp { ns, cycle: if parts == 2 { Cycle::Hour } else { Cycle::Day } })
+    Some(Stamp { ns, cycle: if parts == 2 && !of_day { Cycle::Hour } else { Cycle::Day } })
 }
 
 /// A date at the start: days since 1970 and what follows.
 fn leading_date(text: &[u8]) -> Option<(i64, &[u8])> {
     let run = |t: &[u8]| t.iter().take_while(|b| b.is_ascii_digit()).count();
     let first = run(text);
-    if first == 8 && matches!(text.get(8), Some(b'T' | b' ' | b'_' | b'-')) {
-        let day = days(whole(text.get(..4)?)?, whole(text.get(4..6)?)?, whole(text.get(6..8)?)?);
+    if first == 8 && matches!(text.get(8), Some(b'T' | b' ' | b'_' | b'-')) || matches!(first, 14 | 17) {
+        let day = date(whole(text.get(..4)?)?, whole(text.get(4..6)?)?, whole(text.get(6..8)?)?)?;
         return Some((day, text.get(8..)?));
     }
     let separator = *text.get(first)?;
@@ -187,37 +189,37 @@ fn leading_date(text: &[u8]) -> Option<(i64, &[u8])> {
     } else {
         return None;
     };
-    if !(1..=12).contains(&month) || !(1..=31).contains(&day) || !(1900..=2200).contains(&year) {
-        return None;
-    }
-    Some((days(year, month, day), third_text.get(third..)?))
+    Some((date(year, month, day)?, third_text.get(third..)?))
 }
 
-/// A time of day or minutes and seconds: nanoseconds and the number of parts.
-fn clock(text: &[u8]) -> Option<(i64, usize)> {
+/// Days from 1970-01-01 of a date that a recording may bear.
+fn date(year: i64, month: i64, day: i64) -> Option<i64> {
+    let plausible = (1..=12).contains(&month) && (1..=31).contains(&day) && (1900..=2200).contains(&year);
+    plausible.then(|| days(year, month, day))
+}
+
+/// A time of day or minutes and seconds: nanoseconds and the number of parts. Where it is known to be a time of day, two
+/// parts are hours and minutes.
+fn clock(text: &[u8], of_day: bool) -> Option<(i64, usize)> {
     const SECOND: i64 = 1_000_000_000;
     if text.is_empty() {
         return Some((0, 3));
     }
     if !text.contains(&b':') {
-        // 103127, 103127_812, 10-31-27_812
-        let plain: Vec<&[u8]> = text.split(|b| matches!(b, b'_' | b'.' | b'-')).collect();
-        return match plain.as_slice() {
-            [hms] | [hms, _] if hms.len() == 6 => {
-                let fraction = plain.get(1).map_or(Some(0), |f| fraction_ns(f))?;
-                let s = whole(hms.get(..2)?)? * 3600 + whole(hms.get(2..4)?)? * 60 + whole(hms.get(4..)?)?;
-                Some((s * SECOND + fraction, 3))
-            }
-            [h, m, s] | [h, m, s, _] if h.len() == 2 => {
-                let fraction = plain.get(3).map_or(Some(0), |f| fraction_ns(f))?;
-                let (h, m, s) = (whole(h)?, whole(m)?, whole(s)?);
-                if h > 23 || m > 59 || s > 60 {
-                    return None;
-                }
-                Some(((h * 3600 + m * 60 + s) * SECOND + fraction, 3))
-            }
-            _ => None,
+        // 103127, 103127812, 103127_812, 10-31-27_812
+        let plain: Vec<&[u8]> = text.split(|b| matches!(b, b'_' | b'.' | b',' | b'-')).collect();
+        let (h, m, s, fraction): (&[u8], &[u8], &[u8], &[u8]) = match plain.as_slice() {
+            [hms] if hms.len() >= 6 => (hms.get(..2)?, hms.get(2..4)?, hms.get(4..6)?, hms.get(6..)?),
+            [hms, fraction] if hms.len() == 6 => (hms.get(..2)?, hms.get(2..4)?, hms.get(4..)?, fraction),
+            [h, m, s] if h.len() == 2 => (h, m, s, b""),
+            [h, m, s, fraction] if h.len() == 2 => (h, m, s, fraction),
+            _ => return None,
         };
+        let (h, m, s) = (whole(h)?, whole(m)?, whole(s)?);
+        if h > 23 || m > 59 || s > 60 {
+            return None;
+        }
+        return Some(((h * 3600 + m * 60 + s) * SECOND + fraction_ns(fraction)?, 3));
     }
     let mut parts = text.split(|b| *b == b':');
     let (a, b, c, d) = (parts.next()?, parts.next()?, parts.next(), parts.next());
@@ -237,6 +239,10 @@ fn clock(text: &[u8]) -> Option<(i64, usize)> {
     let hours = |text: &[u8]| whole(text).filter(|h| *h <= 1_000_000);
     let minutes = |m: i64| if m > 59 { None } else { Some(m) };
     match (c, d) {
+        (None, _) if of_day => {
+            let hour = whole(a).filter(|h| *h <= 23)?;
+            Some(((hour * 3600 + minutes(whole(b)?)? * 60) * SECOND, 2))
+        }
         (None, _) => Some((hours(a)? * 60 * SECOND + seconds(b)?, 2)),
         (Some(c), None) => {
             // 31:27.8 has two parts; three are hours, minutes, seconds.
@@ -269,8 +275,15 @@ mod tests {
         check("07/30/2021 01:28:54 PM", 1_627_651_734.0, Cycle::None);
         check("30.07.2021 13:28:54", 1_627_651_734.0, Cycle::None);
         check("20210730_132854_250", 1_627_651_734.25, Cycle::None);
+        check("20210730132854", 1_627_651_734.0, Cycle::None);
+        check("20210730132854250", 1_627_651_734.25, Cycle::None);
+        check("20210730132854.25", 1_627_651_734.25, Cycle::None);
         check("2021-07-30_13:28:54_250", 1_627_651_734.25, Cycle::None);
         check("2021-07-30T13:28:54.250-13:00", 1_627_651_734.25, Cycle::None);
+        // As Excel writes a date that it was not told how to show.
+        check("2021/7/30 13:28", 1_627_651_680.0, Cycle::None);
+        check("7/30/2021 1:28 PM", 1_627_651_680.0, Cycle::None);
+        check("1:28 PM", 48_480.0, Cycle::Day);
         check("10:31:27.812", 37_887.812, Cycle::Day);
         check("10:31:27:812", 37_887.812, Cycle::Day);
         check("31:27.8", 1_887.8, Cycle::Hour);
