@@ -2,6 +2,8 @@
 //! line's angles of the same attitudes. All give the same bits, save that the exact turns of a series are multiplied up
 //! in blocks of sixteen (`GyroIntegrator`).
 
+#![allow(clippy::disallowed_methods)] // any data do; the platform's mathematics may make them
+
 use shisei_core::Quaternion;
 use shisei_core::orient::{self, Relative};
 use shisei_functions::{Input, Output, Range, find};

@@ -42,6 +42,7 @@ mod shape;
 pub mod sheet;
 pub mod spresense_stream;
 pub mod stamp;
+mod stated_rate;
 mod stream;
 mod suspect;
 mod tile;

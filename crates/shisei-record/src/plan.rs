@@ -6,6 +6,7 @@ use crate::number::{self, Cell};
 use crate::options::{ColumnRef, Options};
 use crate::recording::{Channel, Note};
 use crate::sheet::Sheet;
+use crate::stated_rate;
 use crate::units::Unit;
 
 /// What a dialect knows about a sheet; the generic reading of the names, to be mended by the dialect.
@@ -47,7 +48,7 @@ impl Reading {
             })
             .collect();
         one_based_axes(&mut meanings);
-        let mut out = Reading { meanings, rate_hz: stated_rate(sheet), ..Reading::default() };
+        let mut out = Reading { meanings, rate_hz: stated_rate::find(&sheet.preamble), ..Reading::default() };
         bare_axes(sheet, &mut out);
         out
     }
@@ -83,39 +84,6 @@ fn bare_axes(sheet: &Sheet<'_>, reading: &mut Reading) {
             _ => {}
         }
     }
-}
-
-/// A rate in the preamble: `Fs,100`, `OutputRate:,60Hz`, `// Update Rate: 100.0Hz`, `Sample Rate:,128,Hz`.
-fn stated_rate(sheet: &Sheet<'_>) -> Option<f64> {
-    for line in sheet.preamble.iter().take(200) {
-        let lower = line.to_lowercase();
-        let plain: String = lower.chars().filter(|c| !matches!(c, '#' | '%' | '/' | '"' | '\'')).collect();
-        let plain = plain.trim();
-        let named = ["rate", "frequency", "freq", "サンプリング周波数"].iter().any(|w| plain.contains(w))
-            && !["cutoff", "cut-off", "filter", "baud", "mag ", "heart"].iter().any(|w| plain.contains(w));
-        let short = ["fs", "odr", "hz", "sps"].iter().any(|w| {
-            plain.strip_prefix(w).is_some_and(|r| r.starts_with([',', ':', '=', ' ', ';', '\t', '(', '[']))
-        });
-        if !named && !short {
-            continue;
-        }
-        if let Some(value) = first_number(plain)
-            && (0.1..=100_000.0).contains(&value)
-        {
-            return Some(value);
-        }
-    }
-    None
-}
-
-/// The first number after the first `:`, `,`, `=` or blank.
-fn first_number(text: &str) -> Option<f64> {
-    let start = text.find([':', ',', '=', ';', '\t', ' '])?;
-    let tail = text.get(start..)?;
-    let digit = tail.find(|c: char| c.is_ascii_digit())?;
-    let tail = tail.get(digit..)?;
-    let end = tail.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(tail.len());
-    tail.get(..end)?.trim_end_matches('.').parse().ok()
 }
 
 /// Three columns of one quantity.
