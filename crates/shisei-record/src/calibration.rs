@@ -280,6 +280,19 @@ mod tests {
         assert_eq!(example().learnt(), None);
     }
 
+    /// A scale that a reader of JSON in a hurry gets wrong by one bit, and others about it.
+    #[test]
+    fn every_bit_is_kept() {
+        let mut calibration = example().calibration;
+        for k in 0..1000_u64 {
+            let scale = f64::from_bits(0.998_491_247_572_211_9_f64.to_bits() + 7919 * k);
+            calibration.accelerometer.matrix[2][2] = scale;
+            let file = CalibrationFile::new(calibration, "six-face", 9.8, "2026-01-02T03:04:05Z");
+            let again = CalibrationFile::from_json(file.to_json().as_bytes()).unwrap();
+            assert_eq!(again.calibration.accelerometer.matrix[2][2].to_bits(), scale.to_bits(), "{scale:?}");
+        }
+    }
+
     #[test]
     fn unknown_keys_are_kept() {
         let mut file = example();
