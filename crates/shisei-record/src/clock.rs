@@ -263,7 +263,7 @@ fn fine(mut t: Vec<f64>, out: &mut Timeline, findings: &mut Findings) {
         }
         let start = i;
         while i < rows && t[i] <= t[good] {
-            if t[i] < t[i - 1] {
+            if t[i] < t[good] {
                 findings.backward_stamps += 1;
             } else {
                 findings.repeated_stamps += 1;

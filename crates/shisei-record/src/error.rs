@@ -44,6 +44,18 @@ pub enum Problem {
     },
     /// No table of numbers was found.
     NoTable,
+    /// Numbers with a sign between thousands, as `1,000`.
+    Grouped {
+        /// The first of them.
+        text: String,
+    },
+    /// The time of many rows is before that of earlier ones.
+    Unsorted {
+        /// How many.
+        count: usize,
+        /// Of how many rows.
+        rows: usize,
+    },
     /// A table, but none of its columns is an acceleration or an angular rate.
     NotARecording {
         /// The columns' names.

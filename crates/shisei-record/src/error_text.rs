@@ -49,6 +49,14 @@ pub(crate) fn english(problem: &Problem) -> String {
         Problem::NoTable => "no table of numbers was found in the text; expected a header and one sample a \
                              line; check that this is a recording, or name its columns with --columns"
             .into(),
+        Problem::Grouped { text } => format!(
+            "the number {text} has a sign between its thousands, which would be read as a decimal sign; have the numbers \
+             written without it (in a spreadsheet: the format General), and save again"
+        ),
+        Problem::Unsorted { count, rows } => format!(
+            "the time of {count} of {rows} rows is before that of an earlier row; sort the rows by time, or give another \
+             time column with --columns, or the rate with --rate"
+        ),
         Problem::NotARecording { columns } if is_a_take(columns) => {
             "this is a motion capture take, not the recording of a sensor; give both to shisei fuse".into()
         }
@@ -196,6 +204,14 @@ pub(crate) fn japanese(problem: &Problem) -> String {
                              確認するか、--columns で列を指定してください"
                 .into()
         }
+        Problem::Grouped { text } => format!(
+            "数値 {text} に桁区切りがあり、小数点と区別できません。桁区切りのない形 (表計算では表示形式「標準」) にして保存し直して\
+             ください"
+        ),
+        Problem::Unsorted { count, rows } => format!(
+            "{rows} 行のうち {count} 行の時刻が、前の行より前に戻っています。時刻の順に並べ替えるか、--columns で別の時刻の列を、\
+             または --rate でサンプリング周波数を指定してください"
+        ),
         Problem::NotARecording { columns } if is_a_take(columns) => {
             "モーションキャプチャのテイクで、センサの記録ではありません。両方を shisei fuse に指定してください".into()
         }

@@ -43,7 +43,7 @@ pub(crate) fn merge(mut parts: Vec<Part>) -> Result<Part> {
         }
         _ => {}
     }
-    let (acc, mut out) = match (acc, gyro) {
+    let (mut acc, mut out) = match (acc, gyro) {
         (Some(acc), Some(gyro)) => (acc, gyro),
         (Some(acc), None) => {
             let columns = acc.channels.into_iter().map(|c| c.name).collect();
@@ -72,6 +72,7 @@ pub(crate) fn merge(mut parts: Vec<Part>) -> Result<Part> {
     }
     let dropped = out.time_s.len() - overlap;
     retain(&mut out, &keep);
+    take_beside(&mut out, &mut acc, &acc_time);
     out.body.acc = interpolate(&acc_time, &acc.body.acc, &out.time_s);
     out.body.whole_numbers = out.body.whole_numbers && acc.body.whole_numbers;
     out.body.rows = overlap;
@@ -116,6 +117,35 @@ pub(crate) fn merge(mut parts: Vec<Part>) -> Result<Part> {
     out.reading.acc_unit = acc.reading.acc_unit;
     out.without_gravity = acc.without_gravity;
     Ok(out)
+}
+
+/// What the accelerometer's file has beside the acceleration: taken over where its samples are those of the gyroscope's.
+fn take_beside(out: &mut Part, acc: &mut Part, acc_time: &[f64]) {
+    out.body.skipped += acc.body.skipped;
+    out.body.trimmed += acc.body.trimmed;
+    let names = std::mem::take(&mut acc.keep_names);
+    if acc_time == out.time_s {
+        out.keep_names.extend(names);
+        out.body.keep.append(&mut acc.body.keep);
+        if out.body.temp.is_empty() {
+            out.body.temp = std::mem::take(&mut acc.body.temp);
+        }
+        return;
+    }
+    for channel in acc.channels.iter_mut().filter(|channel| channel.role == "temp_c") {
+        channel.used = false;
+    }
+    if !names.is_empty() {
+        let names = names.join(", ");
+        out.warnings.push(Note::new(
+            "merged-columns",
+            format!(
+                "{names} of {} cannot be kept: its samples are at other times than those of {}",
+                acc.name, out.name
+            ),
+            format!("{} の {names} は残せません。サンプルの時刻が {} と異なるためです", acc.name, out.name),
+        ));
+    }
 }
 
 /// The whole acceleration from its two shares, on the first one's clock.
@@ -166,10 +196,16 @@ fn retain(part: &mut Part, keep: &[bool]) {
         part.time_s.last().copied().unwrap_or(0.0) - part.time_s.first().copied().unwrap_or(0.0);
     let first_row = keep.iter().position(|k| *k).unwrap_or(0);
     let rows = part.time_s.len();
+    let all_listed = part.findings.gaps.len() == part.findings.gap_count;
     part.findings.gaps.retain_mut(|gap| {
         gap.row = gap.row.saturating_sub(first_row);
         gap.row > 0 && gap.row < rows
     });
+    if all_listed {
+        let usual_s = 1.0 / part.findings.rate_hz.max(1e-3);
+        part.findings.gap_count = part.findings.gaps.len();
+        part.findings.gap_total_s = part.findings.gaps.iter().map(|gap| gap.length_s - usual_s).sum();
+    }
 }
 
 /// Linear interpolation of rising samples; held at both ends.

@@ -134,6 +134,22 @@ fn words(name: &str) -> (Vec<String>, Vec<String>) {
     (words, brackets)
 }
 
+/// What stands in brackets in a column's name and looks like a unit, but none that is known: `gx [turns/h]`,
+/// `time (ticks)`, `time [100us]`.
+pub(crate) fn unknown_unit(name: &str) -> Option<String> {
+    let (_, brackets) = words(name);
+    let looks = |text: &String| {
+        let lower = text.to_lowercase();
+        let multiple = lower.trim_start_matches(|c: char| c.is_ascii_digit() || c == '.');
+        Unit::parse(text).is_none()
+            && (lower.contains('/')
+                || lower.contains("tick")
+                || lower.ends_with("dps")
+                || multiple.len() < lower.len() && Unit::parse(multiple).is_some())
+    };
+    brackets.into_iter().find(looks)
+}
+
 fn has(list: &str, word: &str) -> bool {
     list.split_ascii_whitespace().any(|w| w == word)
 }

@@ -148,16 +148,20 @@ pub(crate) enum Cell {
     Text,
 }
 
-/// Blanks, quotes and a leading apostrophe taken off both ends.
+/// Blanks, quotes and a leading apostrophe taken off both ends; of blanks that do not break, those of UTF-8 and, where it
+/// is not the end of a longer letter, that of Windows-1252.
 pub(crate) fn trim(cell: &[u8]) -> &[u8] {
     let mut cell = cell;
-    while let [b' ' | b'\t' | b'"' | b'\r' | b'\'' | 0xA0, rest @ ..] = cell {
+    while let [b' ' | b'\t' | b'"' | b'\r' | b'\'' | 0xA0, rest @ ..] | [0xC2, 0xA0, rest @ ..] = cell {
         cell = rest;
     }
-    while let [rest @ .., b' ' | b'\t' | b'"' | b'\r' | b'\'' | 0xA0] = cell {
-        cell = rest;
+    loop {
+        cell = match cell {
+            [rest @ .., b' ' | b'\t' | b'"' | b'\r' | b'\''] | [rest @ .., 0xC2, 0xA0] => rest,
+            [rest @ .., 0xA0] if rest.last().is_none_or(u8::is_ascii) => rest,
+            _ => return cell,
+        }
     }
-    cell
 }
 
 /// Reads a whole cell.

@@ -343,8 +343,6 @@ pub(crate) struct Clock {
     /// The column is a running number, not a time.
     pub counter: bool,
     pub cycle: RawCycle,
-    /// True for a time since 1970 in text.
-    pub dated: bool,
 }
 
 /// A raw clock's cycle, in raw units or in seconds.
@@ -385,12 +383,11 @@ fn time_columns(
         let cell = sheet.sample.iter().filter_map(|r| r.get(column)).find(|c| !c.trim().is_empty());
         let cycle = cell.and_then(|c| stamp::parse(c.trim().as_bytes())).map_or(Cycle::None, |s| s.cycle);
         clock.cycle = RawCycle::Seconds(cycle.seconds());
-        clock.dated = cycle == Cycle::None;
     }
     if let Some(coarse) = reading.coarse_time
-        && let Some(form) = rows::time_form(sheet, coarse)
+        && let Some(form) = rows::time_form(sheet, coarse.column)
     {
-        wanted.slot[body::COARSE] = Some(coarse);
+        wanted.slot[body::COARSE] = Some(coarse.column);
         wanted.coarse_form = form;
     }
     clock
@@ -425,6 +422,7 @@ pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, option
                     format!("時刻の列に単位がないため {} とみなしました", guess.name()),
                 ));
                 unit = Some(guess);
+                part.warnings.extend(other_time_unit(&seconds));
             }
             None => seconds.clear(),
         }
@@ -452,8 +450,12 @@ pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, option
         RawCycle::Raw(raw) => raw * factor,
         RawCycle::Seconds(seconds) => seconds,
     };
-    part.origin_ns = origin_of(wanted.time_form, clock, origin, factor);
-    settle_cycles(&mut seconds, &part.body.coarse, cycle_s, &mut part.findings);
+    part.origin_ns = origin_of(wanted.time_form, unit);
+    if part.reading.coarse_time.is_some_and(|coarse| coarse.exact) && seconds.iter().all(|t| *t < cycle_s) {
+        add_whole_seconds(&mut seconds, &part.body.coarse);
+    } else {
+        settle_cycles(&mut seconds, &part.body.coarse, cycle_s, &mut part.findings);
+    }
     let cycle_s = if part.body.coarse.is_empty() { cycle_s } else { 0.0 };
     let mut stamps = Stamps { seconds, cycle_s, stated_hz: part.reading.rate_hz, given_hz: options.rate_hz };
     // Without stamps and rate the units are still settled first: counts are the more telling refusal.
@@ -464,6 +466,10 @@ pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, option
     let Some(timeline) = clock::timeline(stamps, rows, &mut part.findings) else {
         return Err(Error::of_file(&part.name, Problem::RateNeeded));
     };
+    let count = part.findings.backward_stamps;
+    if count > 2 && count * 10 > rows {
+        return Err(Error::of_file(&part.name, Problem::Unsorted { count, rows }));
+    }
     part.time_s = timeline.time_s;
     part.dt_s = timeline.dt_s;
     part.assumptions.extend(timeline.notes);
@@ -483,17 +489,29 @@ pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, option
     Ok(())
 }
 
-/// Nanoseconds since 1970 (or since the clock's own start, for large counts) of time 0.
-fn origin_of(form: TimeForm, clock: Clock, origin: f64, factor: f64) -> Option<i64> {
-    match form {
-        TimeForm::Text(ns) if clock.dated => Some(ns),
-        TimeForm::Large(n) => {
-            // Seconds, milliseconds … of a count: exact in integers where the factor is a decimal one.
-            let per = (factor * 1e9).round();
-            Some(n.saturating_mul(per as i64))
+/// Nanoseconds since 1970 (or since midnight, or since the clock's own start for large counts) of time 0; nothing where
+/// the file's own seconds stay.
+fn origin_of(form: TimeForm, unit: Option<Unit>) -> Option<i64> {
+    match (form, unit) {
+        (TimeForm::Text(ns), _) => Some(ns),
+        // Seconds, milliseconds … of a count: exact in integers where the factor is a decimal one.
+        (TimeForm::Large(n), Some(Unit::Time(factor, _))) => {
+            Some(n.saturating_mul((factor * 1e9).round() as i64))
         }
-        TimeForm::Number if origin * factor > 1e6 => None,
-        _ => None,
+        (TimeForm::Large(n), _) => Some(n.saturating_mul(1_000_000_000)),
+        (TimeForm::Number, Some(units::DAY)) => Some(-DAYS_TO_1970 * 86_400_000_000_000),
+        (TimeForm::Number, _) => None,
+    }
+}
+
+/// From the day 0 of spreadsheets to 1970.
+const DAYS_TO_1970: i64 = 25_569;
+
+/// Parts of seconds and the whole seconds, which count from the first.
+fn add_whole_seconds(seconds: &mut [f64], coarse: &[f64]) {
+    let first = coarse.first().copied().unwrap_or(0.0);
+    for (t, whole) in seconds.iter_mut().zip(coarse) {
+        *t += whole - first;
     }
 }
 
@@ -550,8 +568,33 @@ fn unwrap_counter(counts: &mut [f64], cycle: f64, findings: &mut Findings) {
     }
 }
 
+/// Longer steps are microseconds: fewer than five samples a second tell no attitude.
+const SLOWEST_MS: f64 = 200.0;
+
 /// Steps in seconds are longer: no motion sensor gives more than 50,000 samples a second.
 const LEAST_STEP_S: f64 = 2e-5;
+
+/// A word of doubt where both milliseconds and microseconds make a rate that a sensor may have.
+fn other_time_unit(raw: &[f64]) -> Option<Note> {
+    let step = clock::usual_step(raw);
+    let whole = raw.iter().take(2000).all(|v| *v == v.trunc());
+    let (here, other) = if step <= SLOWEST_MS { ("ms", "us") } else { ("us", "ms") };
+    (whole && (100.0..=1000.0).contains(&step)).then(|| {
+        Note::new(
+            "unit-time-doubtful",
+            format!(
+                "the time column has no unit and rises by about {step:.0} a sample: {here} give {:.1} Hz; if it is {other}, \
+                 say --units time={other}",
+                if here == "ms" { 1e3 / step } else { 1e6 / step },
+            ),
+            format!(
+                "時刻の列に単位がなく、1 サンプルあたり約 {step:.0} 増えます。{here} として {:.1} Hz としました。{other} の場合は \
+                 --units time={other} を指定してください",
+                if here == "ms" { 1e3 / step } else { 1e6 / step },
+            ),
+        )
+    })
+}
 
 /// The unit of a time column without one, from its start and its usual step; `None` for a mere counter.
 fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
@@ -580,7 +623,7 @@ fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
     }
     Some(if step < 0.9 {
         (SECOND, "by its usual step")
-    } else if step <= 1_000.0 && whole || step < 500.0 {
+    } else if step <= SLOWEST_MS && whole || step < 500.0 && !whole {
         (MILLISECOND, "by its usual step")
     } else if step < 400_000.0 {
         (MICROSECOND, "by its usual step")

@@ -24,14 +24,22 @@ pub struct Reading {
     pub time_unit: Option<Unit>,
     /// Raw time starts again at this value (in raw units).
     pub time_cycle: Option<f64>,
-    /// Column of a coarser time that settles whole cycles of the time column.
-    pub coarse_time: Option<usize>,
+    /// A coarser time that settles whole cycles of the time column.
+    pub coarse_time: Option<CoarseTime>,
     /// Unit of the angular rate to fall back on where the values do not tell.
     pub gyro_guess: Option<Unit>,
     /// What was decided.
     pub assumptions: Vec<Note>,
     /// What to know.
     pub warnings: Vec<Note>,
+}
+
+/// A column of whole seconds beside one of their parts.
+#[derive(Clone, Copy, Debug)]
+pub struct CoarseTime {
+    pub column: usize,
+    /// The two are parts of one number. Else they may roll over apart.
+    pub exact: bool,
 }
 
 impl Reading {

@@ -2,9 +2,10 @@
 
 use crate::error::{Error, Problem, Result};
 use crate::judge::{self, Agreement, Level};
+use crate::names;
 use crate::open::Part;
 use crate::options::{Options, Permutation};
-use crate::recording::{Extra, Recording};
+use crate::recording::{Channel, Extra, Recording};
 use crate::units::{self, Unit};
 use shisei_core::{STANDARD_GRAVITY_M_S2 as G, Vec3};
 
@@ -92,10 +93,11 @@ pub(crate) fn settle(part: Part, options: &Options) -> Result<Recording> {
     if part.rate_missing {
         return Err(fail(Problem::RateNeeded));
     }
-    if acc_unit == Some(Unit::Counts) || options.scale.is_some() {
-        scaled_note(&mut out, acc_factor.is_some() && gyro_factor.is_some());
-    }
+    let given = options.scale;
+    scale_notes(&mut out, "acceleration", "加速度", given.and_then(|s| s.acc_counts_per_g), acc_unit);
+    scale_notes(&mut out, "angular rate", "角速度", given.and_then(|s| s.gyro_counts_per_deg_s), gyro_unit);
     let mut channels = part.channels;
+    unknown_units(&mut out, &channels);
     for channel in channels.iter_mut().filter(|c| c.used && c.unit.is_empty()) {
         let unit = match channel.role.get(..4) {
             Some("acc_") => unit_name(acc_factor, &[units::STANDARD_G, units::M_S2, units::MILLI_G]),
@@ -137,13 +139,46 @@ fn unit_name(factor: Option<f64>, known: &[Unit]) -> &'static str {
     }
 }
 
-fn scaled_note(out: &mut Recording, scaled: bool) {
-    if scaled {
-        out.assume(
+/// A warning for each quantity whose unit is written but not known, so that it was guessed.
+fn unknown_units(out: &mut Recording, channels: &[Channel]) {
+    for (role, option, guessed) in [
+        ("time_s", "time", "unit-time-inferred"),
+        ("acc_x", "acc", "unit-acc-inferred"),
+        ("gyr_x", "gyr", "unit-gyro-inferred"),
+    ] {
+        let Some(channel) = channels.iter().find(|channel| channel.role == role) else { continue };
+        if let Some(unit) = names::unknown_unit(&channel.name)
+            && out.assumptions.iter().any(|note| note.code == guessed)
+        {
+            out.warn(
+                "unit-unknown",
+                format!(
+                    "the unit {unit} of {} is not known, so that it was guessed; say what it is with --units {option}=…",
+                    channel.name
+                ),
+                format!(
+                    "{} の単位 {unit} は認識できないため、推定しました。--units {option}=… で単位を指定してください",
+                    channel.name
+                ),
+            );
+        }
+    }
+}
+
+/// What `--scale` did to a quantity for which it was given.
+fn scale_notes(out: &mut Recording, en: &str, ja: &str, given: Option<f64>, unit: Option<Unit>) {
+    match (given, unit) {
+        (None, _) => {}
+        (Some(_), None | Some(Unit::Counts)) => out.assume(
             "scaled",
-            "counts are converted as given with --scale".into(),
-            "カウントは --scale の値で換算しました".into(),
-        );
+            format!("counts of the {en} are converted as given with --scale"),
+            format!("{ja}のカウントは --scale の値で換算しました"),
+        ),
+        (Some(_), Some(unit)) => out.warn(
+            "scale-unused",
+            format!("--scale is not used for the {en}, which is in {} already", unit.name()),
+            format!("{ja}はすでに {} のため、--scale は使いません", unit.name()),
+        ),
     }
 }
 

@@ -208,6 +208,11 @@ pub fn sniff<'a>(name: &'a str, bytes: &'a [u8], options: &Options) -> Result<Sh
         data_line: first + 1,
         text: Cow::Borrowed(&[]),
     };
+    if decimal == b','
+        && let Some(text) = grouped(lines.get(first..).unwrap_or_default(), delimiter)
+    {
+        return Err(fail(Problem::Grouped { text }));
+    }
     let above = headings(&lines, first, delimiter, decimal);
     name_columns(&mut sheet, &lines, above.clone());
     for (line, _) in lines.get(..above.start).unwrap_or_default() {
@@ -217,8 +222,54 @@ pub fn sniff<'a>(name: &'a str, bytes: &'a [u8], options: &Options) -> Result<Sh
         let cells = split(line, delimiter);
         sheet.sample.push(cells.iter().map(|c| encoding.decode(number::trim(c)).into_owned()).collect());
     }
+    row_names(&mut sheet);
     sheet.text = text;
     Ok(sheet)
+}
+
+/// The first number whose comma stands between thousands, where every comma may do so and something tells that it does:
+/// decimal points, or commas that part the cells.
+fn grouped(rows: &[(&[u8], usize)], delimiter: Delimiter) -> Option<String> {
+    let (mut first, mut points) = (None, false);
+    for (row, _) in rows {
+        for cell in split(row, delimiter).into_iter().map(number::trim) {
+            if cell.contains(&b',') && matches!(number::cell(cell, b','), Cell::Number(_)) {
+                let digits = cell.strip_prefix(b"-").unwrap_or(cell);
+                let mut groups = digits.split(|b| *b == b',');
+                let head = groups.next().unwrap_or_default();
+                let thousands = (1..=3).contains(&head.len()) && head.first() != Some(&b'0');
+                if !thousands || !groups.all(|group| group.len() == 3 && group.iter().all(u8::is_ascii_digit))
+                {
+                    return None;
+                }
+                first = first.or_else(|| Some(String::from_utf8_lossy(cell).into_owned()));
+            }
+            points |= cell.contains(&b'.') && matches!(number::cell(cell, b'.'), Cell::Number(_));
+        }
+    }
+    first.filter(|_| points || delimiter == Delimiter::Byte(b','))
+}
+
+/// An empty name for row names that have none: rows have one cell more than the header, and the first counts them.
+fn row_names(sheet: &mut Sheet<'_>) {
+    let width = sheet.header.len() + 1;
+    let counts = |start: usize| {
+        let mut rows = sheet.sample.iter().enumerate();
+        rows.all(|(k, row)| {
+            row.len() == width
+                && row.last().is_some_and(|cell| !cell.is_empty())
+                && row.first().is_some_and(|cell| cell.parse() == Ok(start + k))
+        })
+    };
+    let named =
+        sheet.header.first().is_some_and(|name| names::meaning(name, "").quantity == Quantity::Counter);
+    if sheet.sample.len() > 1 && !sheet.header.is_empty() && !named && (counts(0) || counts(1)) {
+        for names in [&mut sheet.header, &mut sheet.groups, &mut sheet.units] {
+            if !names.is_empty() {
+                names.insert(0, String::new());
+            }
+        }
+    }
 }
 
 /// The first lines and where they start.

@@ -229,12 +229,13 @@ fn choose(name: &str, file: File, asked: Option<&str>) -> Result<Sensor> {
         topic.trim_start_matches("/imu/") == wanted || plain(topic) == plain(&wanted).replace("node", "imu")
     };
     let in_part = |(_, sensor): &(String, Sensor)| plain(&sensor.name).contains(&plain(&wanted));
-    let found = sensors
-        .iter()
-        .position(exactly)
-        .or_else(|| sensors.iter().position(by_topic))
-        .or_else(|| sensors.iter().position(in_part));
-    if let Some(found) = found {
+    let mut in_part = sensors.iter().enumerate().filter(|(_, sensor)| in_part(sensor)).map(|(k, _)| k);
+    let found = sensors.iter().position(exactly).or_else(|| sensors.iter().position(by_topic));
+    let (first, second) = (in_part.next(), in_part.next());
+    if found.is_none() && second.is_some() {
+        return Err(Error::of_file(name, Problem::ManySensors { names }));
+    }
+    if let Some(found) = found.or(first) {
         return Ok(sensors.swap_remove(found).1);
     }
     Err(Error::of_file(name, Problem::NoSuchSensor { asked: asked.to_owned(), names }))

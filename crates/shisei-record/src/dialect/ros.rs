@@ -4,7 +4,7 @@
 
 use super::{Dialect, names_with};
 use crate::names::Quantity;
-use crate::plan::Reading;
+use crate::plan::{CoarseTime, Reading};
 use crate::sheet::Sheet;
 use crate::units::{M_S2, NANOSECOND, RAD_S, SECOND};
 
@@ -55,6 +55,6 @@ fn mend(sheet: &Sheet<'_>, reading: &mut Reading) {
             m.unit = Some(SECOND);
         }
         reading.time_cycle = Some(1e9);
-        reading.coarse_time = Some(secs);
+        reading.coarse_time = Some(CoarseTime { column: secs, exact: true });
     }
 }
