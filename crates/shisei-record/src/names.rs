@@ -209,9 +209,6 @@ pub fn meaning(name: &str, unit_cell: &str) -> Meaning {
                     out.axis = Some(axis);
                 } else if out.unit.is_none() {
                     out.unit = Unit::parse(other);
-                    if out.unit.is_none() && other.eq_ignore_ascii_case("txt") {
-                        out.unit = None;
-                    }
                 }
             }
         }
@@ -287,7 +284,6 @@ fn trailing_unit(name: &str, words: &mut Vec<String>) -> Option<Unit> {
 }
 
 fn classify(name: &str, words: &[String], index_axis: Option<u8>, out: &mut Meaning) {
-    let joined: String = words.concat();
     let mut quantity: Option<Quantity> = None;
     let mut label: Vec<&str> = Vec::new();
     let mut no_gravity = false;
@@ -359,7 +355,7 @@ fn classify(name: &str, words: &[String], index_axis: Option<u8>, out: &mut Mean
             has(OTHER, w) && !matches!(w.as_str(), "velocity" | "vel" | "speed" | "axis" | "rotation")
         });
     }
-    if joined == "xaxis" || joined == "yaxis" || joined == "zaxis" || lower.contains("axis") {
+    if lower.contains("axis") {
         other = words.iter().any(|w| w != "axis" && has(OTHER, w));
     }
     out.named = quantity.is_some() || no_gravity || gravity;

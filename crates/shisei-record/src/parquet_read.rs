@@ -61,7 +61,7 @@ pub(crate) fn open(name: &str, bytes: &[u8]) -> Result<File> {
     let rows = reader.metadata().file_metadata().num_rows();
     let rows = usize::try_from(rows).map_err(|_| damaged(name, "a negative number of rows"))?;
     let columns = reader.metadata().file_metadata().schema_descr().num_columns();
-    // Seven columns of doubles are read at most, and the sheet's sample.
+    // Of every row at least the seven columns of a sensor are read, as doubles.
     if (rows as u64).saturating_mul(80) > UNPACKED_LIMIT {
         return Err(Error::of_file(name, Problem::TooLarge { limit: UNPACKED_LIMIT }));
     }

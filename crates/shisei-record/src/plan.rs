@@ -253,7 +253,7 @@ fn best_time(sheet: &Sheet<'_>, reading: &Reading) -> Option<usize> {
     column_of(reading, Quantity::Time).into_iter().filter_map(|c| Some((rank(c)?, c))).min().map(|(_, c)| c)
 }
 
-/// The complete triples of a quantity, and whether an incomplete one is there.
+/// The complete triples of a quantity; none where none is wanted.
 fn triples(reading: &Reading, quantity: Quantity, wanted: bool) -> Vec<Triple> {
     if !wanted {
         return Vec::new();

@@ -42,7 +42,7 @@ pub struct Channel {
     pub name: String,
     /// Unit in use or as written; empty where unknown.
     pub unit: String,
-    /// Canonical name it is read as (`acc_x`, `time_s`), or what it seems to be (`magnetic or other`, `acc
+    /// Canonical name it is read as (`acc_x`, `time_s`), or what it seems to be (`other`, `acceleration
     /// without gravity`), in English.
     pub role: String,
     /// True where its values are in the recording.
@@ -162,11 +162,6 @@ impl Recording {
     /// True where there are none (never for an opened recording).
     pub fn is_empty(&self) -> bool {
         self.acc_m_s2.is_empty()
-    }
-
-    /// Rows before which more than [`LONG_GAP_S`] passed: there an estimator restarts its trust.
-    pub fn long_gaps(&self) -> impl Iterator<Item = usize> + '_ {
-        self.dt_s.iter().enumerate().skip(1).filter(|(_, dt)| **dt > LONG_GAP_S).map(|(row, _)| row)
     }
 
     pub(crate) fn assume(&mut self, code: &'static str, en: String, ja: String) {

@@ -110,7 +110,7 @@ impl Sheet<'_> {
 /// The next line from `at`: its bytes without the line end, and where the next one starts.
 pub(crate) fn line_at(text: &[u8], at: usize) -> Option<(&[u8], usize)> {
     let rest = text.get(at..).filter(|r| !r.is_empty())?;
-    // Old Mac line ends are not written by any logger here; \r\n and \n are.
+    // A lone \r, as old Macs wrote it, is made \n before.
     let (line, next) = match memchr::memchr(b'\n', rest) {
         Some(end) => (rest.get(..end)?, at + end + 1),
         None => (rest, text.len()),

@@ -185,3 +185,11 @@ fn two_files_keep_what_stands_beside() {
     assert_eq!(&*note.cells[7], "note 7");
     assert!(warned(&read(0.005), "merged-columns"));
 }
+
+#[test]
+fn a_counter_before_the_time_without_a_header() {
+    let text = table("", 500, |k| format!("{},{:.2}", k + 1, k as f64 * 0.02));
+    assert_rate(&read(text.trim_start()), 50.0, 9.98);
+    let text = table("", 500, |k| format!("{:.2},{}", k as f64 * 0.02, k + 1));
+    assert_rate(&read(text.trim_start()), 50.0, 9.98);
+}

@@ -25,28 +25,24 @@ fn mend(sheet: &Sheet<'_>, reading: &mut Reading) {
     };
     let values =
         |column: usize| -> Option<Vec<f64>> { sheet.sample.iter().map(|r| number(r, column)).collect() };
-    // Leading columns that only rise are time or counter; text is passed over.
+    // Leading columns that only rise are time or counter; other text is passed over.
     let mut first = 0;
     let mut time = None;
-    while first + 6 < columns + usize::from(first == 0) && first + 6 <= columns {
-        match values(first) {
-            Some(v) if columns > first + 6 && v.windows(2).all(|w| w[1] >= w[0]) && v.first() < v.last() => {
-                time.get_or_insert(first);
-                first += 1;
-            }
-            None => {
-                if sheet
-                    .sample
-                    .first()
-                    .and_then(|r| r.get(first))
-                    .is_some_and(|c| crate::stamp::parse(c.as_bytes()).is_some())
-                {
-                    time.get_or_insert(first);
-                }
-                first += 1;
+    while first + 6 < columns {
+        let is_time = match values(first) {
+            Some(v) if v.windows(2).all(|w| w[1] >= w[0]) && v.first() < v.last() => {
+                time.is_none() || v.windows(2).any(|w| w[1] - w[0] != 1.0)
             }
             Some(_) => break,
+            None => {
+                let cell = sheet.sample.first().and_then(|row| row.get(first));
+                time.is_none() && cell.is_some_and(|cell| crate::stamp::parse(cell.as_bytes()).is_some())
+            }
+        };
+        if is_time {
+            time = Some(first);
         }
+        first += 1;
     }
     if first + 6 > columns {
         return;

@@ -17,11 +17,10 @@ pub const DIALECT: Dialect = Dialect {
                 || preamble_with(s, "AppVersion")
                 || s.has_column("PacketCounter"))
     },
-    mend: |sheet, reading| {
+    mend: |_, reading| {
         reading.acc_unit = Some(M_S2);
         reading.gyro_unit = Some(DEG_S);
         reading.time_unit = Some(MICROSECOND);
         reading.time_cycle = Some(4_294_967_296.0);
-        let _ = sheet;
     },
 };
