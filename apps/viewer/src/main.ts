@@ -173,7 +173,7 @@ function act(deed: Deed): void {
     previous: () => step(-1),
     align: () => find<HTMLButtonElement>("#align").click(),
     heading: () => {
-      if (chosen && !find("#heading").hidden && (chosen.what.kind === "node" || chosen.what.node !== null)) connection.send({ type: "heading", body: chosen.id, deg: 0 }) || notSent();
+      if (chosen?.settable && !find("#heading").hidden) connection.send({ type: "heading", body: chosen.id, deg: 0 }) || notSent();
     },
     follow: () => follow(!following),
     everything: () => everything("corner"),

@@ -37,8 +37,6 @@ const en = {
   marker: "marker",
   markerHelp: "single marker",
   legend: "Legend",
-  since: "for {0}",
-  attitude: "Attitude",
   yaw: "Yaw",
   pitch: "Pitch",
   roll: "Roll",
@@ -55,7 +53,6 @@ const en = {
   follow: "Follow",
   followHelp: "Keep it in the middle",
   close: "Close",
-  select: "Choose a body in the list or in the picture",
   status: "Status",
   inputs: "Inputs",
   outputs: "Outputs",
@@ -112,7 +109,6 @@ const en = {
   mouseHelp: "drag turns, right drag moves, wheel zooms, click chooses",
   touch: "Touch",
   touchHelp: "one finger turns, two move and zoom, a tap chooses",
-  keys: "Keys",
 } as const;
 
 export type Key = keyof typeof en;
@@ -152,8 +148,6 @@ const ja: Record<Key, string> = {
   marker: "マーカー",
   markerHelp: "単独のマーカー",
   legend: "凡例",
-  since: "{0} 経過",
-  attitude: "姿勢",
   yaw: "ヨー",
   pitch: "ピッチ",
   roll: "ロール",
@@ -170,7 +164,6 @@ const ja: Record<Key, string> = {
   follow: "追跡",
   followHelp: "画面の中央に保ちます",
   close: "閉じる",
-  select: "一覧か画面で剛体を選んでください",
   status: "状態",
   inputs: "入力",
   outputs: "出力",
@@ -227,7 +220,6 @@ const ja: Record<Key, string> = {
   mouseHelp: "ドラッグで回転、右ドラッグで移動、ホイールで拡大、クリックで選択",
   touch: "タッチ",
   touchHelp: "1 本指で回転、2 本指で移動と拡大、タップで選択",
-  keys: "キー",
 };
 
 const TEXTS: Record<Lang, Record<Key, string>> = { en, ja };

@@ -33,6 +33,16 @@ export class Body {
   get id(): number {
     return this.what.id;
   }
+
+  /** It has a place: one that is true now, or, of what has vanished, the last. */
+  get somewhere(): boolean {
+    return this.source === Source.None ? this.placed : this.located;
+  }
+
+  /** It is a sensor by itself, whose attitude can be set: that of a body comes from the cameras. */
+  get settable(): boolean {
+    return this.what.kind === "node";
+  }
 }
 
 export class World {

@@ -67,11 +67,14 @@ const url = await hub.listen();
 
   // what the buttons send
   const asked = (type) => hub.requests.filter((request) => request.type === type);
+  check("a body's attitude is not for setting", (await page.isDisabled("#align")) && (await page.isDisabled("#heading button")));
+  await page.click("#bodies .row[title='Wrist']");
   await page.click("#align");
-  await soon("align is sent", async () => asked("align").some((request) => request.body === 1));
+  await soon("align is sent", async () => asked("align").some((request) => request.body === 200));
   await page.fill("#heading input", "45");
   await page.click("#heading button");
-  await soon("a heading is sent", async () => asked("heading").some((request) => request.body === 1 && request.deg === 45));
+  await soon("a heading is sent", async () => asked("heading").some((request) => request.body === 200 && request.deg === 45));
+  check("of a sensor by itself no position is said", (await text(page, "#position")) === "unknown");
   await soon("the hub's note appears", async () => (await page.locator(".toast").allTextContents()).join().includes("Attitude set"));
   await page.click("#follow");
   check("follow is on", (await page.getAttribute("#follow", "aria-pressed")) === "true");
@@ -91,6 +94,7 @@ const url = await hub.listen();
   // status and names
   await page.keyboard.press("s");
   await soon("the status page has inputs and nodes", async () => (await text(page, "#status")).includes("/dev/ttyACM0") && (await text(page, "#status")).includes("3.42 V"));
+  check("what is lost is counted once", (await text(page, "#v-loss")) === "Lost 3");
   check("a battery that is low is marked", (await page.locator("#status .low").allTextContents()).includes("3.42 V"));
   await page.click("#status .rename[data-node='Wrist']");
   await page.fill("#status td input", "手首 <b>");

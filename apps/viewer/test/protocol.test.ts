@@ -73,6 +73,23 @@ test("rows that are no poses change nothing", () => {
   assert.equal(made.bodies[0]!.source, Source.None);
 });
 
+test("a position that is lost is not shown, that of what has vanished stays", () => {
+  const made = world(body(1), body(2, { kind: "node" }));
+  const [one, node] = made.bodies;
+  assert(one && node);
+  const shown = (...rows: unknown[][]): boolean[] => {
+    feed(made, { poses: rows });
+    return [one.somewhere, node.somewhere];
+  };
+  const gone = [null, null, null, 1, 0, 0, 0];
+  assert.deepEqual(shown(row(1), row(2, ...gone, 3, 0, 1, null)), [true, false]);
+  assert.deepEqual(shown(row(1, 1, 2, 3, 1, 0, 0, 0, 2, 4.9, 1, 300)), [true, false]);
+  assert.deepEqual(shown(row(1, ...gone, 3, 5.1, 1, null)), [false, false]);
+  assert.deepEqual(shown(row(1, ...gone, 0, 9, null, null), row(2, ...gone, 0, 9, null, null)), [true, false]);
+  assert.deepEqual([...one.position_m], [1, 2, 3]);
+  assert.deepEqual([one.settable, node.settable], [false, true]);
+});
+
 test("what no message names has vanished after a second", () => {
   const made = world(body(1), body(2));
   feed(made, { poses: [row(1), row(2)] }, 0);

@@ -89,7 +89,8 @@ export class Bar {
   private vitals(status: Status | null): void {
     const inputs = status?.inputs ?? [];
     const rate = inputs.reduce((sum, input) => sum + (input.rate_hz ?? 0), 0);
-    const lost = (status?.inputs ?? []).reduce((sum, input) => sum + (input.lost ?? 0), 0) + (status?.nodes ?? []).reduce((sum, node) => sum + (node.lost ?? 0), 0);
+    // an input's are those of its nodes, or frames of the cameras
+    const lost = inputs.reduce((sum, input) => sum + (input.lost ?? 0), 0);
     put(find("#v-rate"), status ? `${fixed(rate, 0)} Hz` : "");
     put(find("#v-latency"), status && status.latency_ms.median !== null ? `${say("latency")} ${fixed(status.latency_ms.median, 1)} ms` : "");
     put(find("#v-loss"), status ? `${say("lostCount")} ${lost}` : "");

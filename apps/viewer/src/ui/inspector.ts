@@ -78,15 +78,14 @@ export class Inspector {
     put(this.state, stateOf(body));
     put(this.why, say(`${lookOf("light", body.source).name}Help`));
     const p = body.position_m;
-    put(find("#position"), body.placed ? `${fixed(p[0], 3)}  ${fixed(p[1], 3)}  ${fixed(p[2], 3)} m` : say("unknown"));
+    put(find("#position"), body.somewhere ? `${fixed(p[0], 3)}  ${fixed(p[1], 3)}  ${fixed(p[2], 3)} m` : say("unknown"));
     const error = `${Number.isFinite(body.sigma_deg) ? degrees(body.sigma_deg, 2) : DASH} · ${Number.isFinite(body.sigma_mm) ? fixed(body.sigma_mm, 1, " mm") : DASH}`;
     put(find("#uncertainty"), body.source === 0 ? DASH : error);
     const names = ["#yaw", "#pitch", "#roll"];
     for (let axis = 0; axis < 3; axis++) put(find(names[axis]!), degrees(wrapped(body.angles_deg[axis]!)));
     this.align.hidden = !this.may.includes("align");
     this.heading.hidden = !this.may.includes("heading");
-    const sensor = body.what.kind === "node" || body.what.node !== null;
-    this.align.disabled = !sensor;
-    for (const part of this.heading.querySelectorAll<HTMLInputElement | HTMLButtonElement>("input, button")) part.disabled = !sensor;
+    this.align.disabled = !body.settable;
+    for (const part of this.heading.querySelectorAll<HTMLInputElement | HTMLButtonElement>("input, button")) part.disabled = !body.settable;
   }
 }

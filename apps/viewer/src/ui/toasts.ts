@@ -1,4 +1,4 @@
-// Notes of the hub, for a while at the foot of the page; errors until they are dismissed.
+// Notes of the hub, for a while at the foot of the page, errors longest; each can be dismissed.
 
 import type { Note } from "../protocol";
 import { lang } from "../text";

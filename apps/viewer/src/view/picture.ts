@@ -160,7 +160,7 @@ export class Picture {
 
   /** Where a body is drawn: its place, or one in the row of those that have none. */
   placeOf(body: Body, out: Float64Array): void {
-    if (body.placed) {
+    if (body.somewhere) {
       out.set(body.position_m);
       return;
     }
@@ -267,7 +267,7 @@ export class Picture {
     if (bone) {
       this.dots.add(world, points, JOINT, rgba, Round.Ball);
       const { parent } = body;
-      if (parent && parent.placed && body.placed) {
+      if (parent && parent.somewhere && body.somewhere) {
         const from = points + 5;
         for (let axis = 0; axis < 3; axis++) world[3 * from + axis] = parent.position_m[axis]!;
         this.links.add(world, from, points, BONE, rgba, pattern);
