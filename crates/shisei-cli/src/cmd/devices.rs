@@ -50,6 +50,9 @@ pub fn run(args: &Devices, lang: Lang) -> Outcome<()> {
             "レシーバが見つかりません。ポートを指定してください",
         )));
     }
+    if args.ports.is_empty() {
+        one_is_meant(&ours, &commands, lang)?;
+    }
     let mut receivers = Vec::new();
     for name in &ours {
         receivers.push((name.clone(), ask(name, &commands, lang)?));
@@ -72,6 +75,29 @@ pub fn run(args: &Devices, lang: Lang) -> Outcome<()> {
         print!("{}", answer.text(name, lang));
     }
     Ok(())
+}
+
+/// Refused: a command that changes a node, while there are several receivers with nodes of the same numbers.
+fn one_is_meant(found: &[String], commands: &[Command<'_>], lang: Lang) -> Outcome<()> {
+    if found.len() < 2 || !commands.iter().any(changes) {
+        return Ok(());
+    }
+    let found = found.join(", ");
+    Err(Failure::input(say(
+        lang,
+        format!("several receivers were found ({found}); name the port of the one whose node is meant"),
+        format!(
+            "レシーバが複数見つかりました ({found})。対象のノードがあるレシーバのポートを指定してください"
+        ),
+    )))
+}
+
+/// A node is another after the command.
+fn changes(command: &Command<'_>) -> bool {
+    match command {
+        Command::Ask | Command::Identify(_) => false,
+        Command::Calibrate(_) | Command::Rename(..) | Command::Configure(..) | Command::Keep(..) => true,
+    }
 }
 
 #[derive(Default)]
@@ -298,4 +324,26 @@ fn read_commands(args: &Devices) -> Option<Vec<Command<'_>>> {
 
 fn place(text: &str) -> Option<u8> {
     if text == "all" { Some(NO_NODE) } else { text.parse().ok().filter(|place| *place < NO_NODE) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_node_is_changed_only_where_its_receiver_is_known() {
+        let ports = ["/dev/ttyACM0".to_owned(), "/dev/ttyACM1".to_owned()];
+        let asked = |ports: &[String], command| one_is_meant(ports, &[command], Lang::En);
+        for command in [
+            Command::Calibrate(0),
+            Command::Rename(0, "left"),
+            Command::Configure(0, Settings::default()),
+            Command::Keep(NO_NODE, None),
+        ] {
+            assert!(asked(&ports[..1], command).is_ok() && asked(&ports, command).is_err(), "{command:?}");
+        }
+        assert!(
+            asked(&ports, Command::Identify(NO_NODE)).is_ok() && one_is_meant(&ports, &[], Lang::Ja).is_ok()
+        );
+    }
 }
