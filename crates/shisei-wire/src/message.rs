@@ -5,6 +5,7 @@ use crate::calibration::Calibration;
 use crate::command;
 pub use crate::command::Command;
 use crate::gatt::NOTIFICATION_MAX;
+use crate::packet::TEMPERATURE_UNKNOWN;
 pub use crate::settings::{SETTINGS_BYTES, Settings};
 use crate::{Error, Result, VERSION};
 
@@ -173,7 +174,6 @@ pub struct NodeCalibration {
     pub calibration: Option<Calibration>,
 }
 
-const TEMPERATURE_UNKNOWN: i16 = i16::MIN;
 impl<'a> Message<'a> {
     /// Writes a message; returns its length. Refused: a buffer too short, a name, packet or batch too long.
     pub fn encode(&self, out: &mut [u8]) -> Result<usize> {

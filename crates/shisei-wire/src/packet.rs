@@ -26,7 +26,8 @@ pub const SAMPLES_MAX: usize = 10;
 /// Longest packet.
 pub const PACKET_MAX: usize = HEADER_BYTES + SAMPLES_MAX * SAMPLE_BYTES;
 
-const TEMPERATURE_UNKNOWN: i16 = i16::MIN;
+/// A temperature that is not known.
+pub(crate) const TEMPERATURE_UNKNOWN: i16 = i16::MIN;
 /// A quaternion's 1.
 const QUATERNION_ONE: f64 = 32767.0;
 
@@ -38,6 +39,13 @@ pub enum FilterKind {
     Complementary = 0,
     /// The estimator.
     Estimator = 1,
+}
+
+impl FilterKind {
+    /// From its code.
+    pub fn from_code(code: u8) -> Option<Self> {
+        [FilterKind::Complementary, FilterKind::Estimator].get(usize::from(code)).copied()
+    }
 }
 
 /// The state of the node's start.
@@ -100,11 +108,7 @@ impl Flags {
             battery_low: field(2, 1) == 1,
             gyro_range: GyroRange::from_code(field(3, 3)).ok_or(Error::Value)?,
             acc_range: AccRange::from_code(field(6, 2)).ok_or(Error::Value)?,
-            filter: match field(8, 2) {
-                0 => FilterKind::Complementary,
-                1 => FilterKind::Estimator,
-                _ => return Err(Error::Value),
-            },
+            filter: FilterKind::from_code(field(8, 2)).ok_or(Error::Value)?,
             start: match field(10, 2) {
                 0 => Start::Running,
                 1 => Start::Done,
@@ -275,6 +279,14 @@ fn sample(mut take: Take<'_>) -> Result<Sample> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn filters_codes_come_back() {
+        for filter in [FilterKind::Complementary, FilterKind::Estimator] {
+            assert_eq!(FilterKind::from_code(filter as u8), Some(filter));
+        }
+        assert_eq!(FilterKind::from_code(2), None);
+    }
 
     #[test]
     fn counts_round_and_saturate() {

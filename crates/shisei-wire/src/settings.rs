@@ -30,11 +30,7 @@ impl Settings {
 
     /// Refused ([`Error::Value`]): a field without meaning.
     pub fn decode([filter, batch, gyro_range, acc_range]: [u8; SETTINGS_BYTES]) -> Result<Self> {
-        let filter = match filter {
-            0 => FilterKind::Complementary,
-            1 => FilterKind::Estimator,
-            _ => return Err(Error::Value),
-        };
+        let filter = FilterKind::from_code(filter).ok_or(Error::Value)?;
         if batch == 0 || usize::from(batch) > SAMPLES_MAX {
             return Err(Error::Value);
         }
