@@ -167,6 +167,22 @@ fn a_client_is_told_all_and_its_wishes_are_heard() {
 }
 
 #[test]
+fn clients_are_told_of_the_end() {
+    let Stage { serving, .. } = stage(None);
+    let mut clients = [client(serving.access.address), client(serving.access.address)];
+    drop(serving);
+    for client in &mut clients {
+        let told = (0..100).find_map(|_| match client.read() {
+            Ok(Message::Close(why)) => Some(why),
+            Ok(_) => None,
+            Err(error) => panic!("{error}"),
+        });
+        let why = told.flatten().expect("a reason");
+        assert_eq!((u16::from(why.code), why.reason.as_str()), (1001, "shisei live ends"));
+    }
+}
+
+#[test]
 fn the_page_and_the_status_are_there_for_those_who_may() {
     let open = stage(None);
     let host = format!("Host: {}\r\n", open.address());

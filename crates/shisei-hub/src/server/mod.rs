@@ -1,6 +1,7 @@
 //! The page, the stream and the status over HTTP, in a thread of its own.
 //!
-//! Only this machine can reach it unless an address is given, and then only who has the token. Who has no business
+//! Only this machine can reach it unless an address is given, and then only who has the token. So it is with the
+//! viewer; outputs of the hub have addresses of their own and know no token. Who has no business
 //! here costs little: connections that have not asked for anything are few and the oldest of them go first, clients
 //! are few, their messages small and rare, and what they are sent is always the newest, so that a slow one holds up
 //! nobody.
@@ -19,6 +20,7 @@ use std::time::Duration;
 use tokio::net::{TcpListener, TcpStream};
 use tokio::sync::watch;
 use tokio::task::AbortHandle;
+use tokio::time::timeout;
 
 use crate::live::Board;
 use crate::live::input::ToHub;
@@ -28,6 +30,9 @@ use crate::own_address::to_ask_for;
 const WAITING_MAX: usize = 128;
 /// After a failed accept.
 const PAUSE: Duration = Duration::from_millis(50);
+/// At the end clients are told, and waited for no longer than this; looked after so often.
+const FAREWELL: Duration = Duration::from_millis(500);
+const LOOK: Duration = Duration::from_millis(5);
 /// Bytes of the token.
 const TOKEN_BYTES: usize = 16;
 
@@ -116,7 +121,7 @@ async fn accept(listener: StdListener, shared: Arc<Shared>) {
     loop {
         let accepted = tokio::select! {
             accepted = listener.accept() => accepted,
-            _ = stop.changed() => return,
+            _ = stop.changed() => break,
         };
         let Ok((stream, _)) = accepted else {
             tokio::time::sleep(PAUSE).await;
@@ -131,6 +136,13 @@ async fn accept(listener: StdListener, shared: Arc<Shared>) {
         let shared = Arc::clone(&shared);
         waiting.push_back(tokio::spawn(connection(stream, shared)).abort_handle());
     }
+    drop(listener);
+    let _ = timeout(FAREWELL, async {
+        while shared.board.clients() > 0 {
+            tokio::time::sleep(LOOK).await;
+        }
+    })
+    .await;
 }
 
 /// A connection until it has said what it wants. An error is the other side's: nobody needs to hear of it.

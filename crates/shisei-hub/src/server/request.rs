@@ -1,5 +1,6 @@
 //! A request's head: what is wanted, and whether it may be had.
 
+use std::net::{IpAddr, SocketAddr};
 use std::time::Duration;
 
 use tokio::io::{AsyncReadExt, AsyncWriteExt};
@@ -79,7 +80,7 @@ fn answer(head: &[u8], access: &Access) -> Parsed {
 fn decide<'a>(path: &str, query: &str, access: &Access, field: &impl Fn(&str) -> Option<&'a str>) -> Answer {
     // another site's name that leads to this address is not ours
     let host = field("host").unwrap_or_default();
-    if access.token.is_none() && !is_this_machine(host, access.address.port()) {
+    if access.token.is_none() && !is_this_machine(host, access.address) {
         return Answer::Refused(403, "open it as http://127.0.0.1 or http://localhost");
     }
     if let Some(asset) = find(path) {
@@ -111,14 +112,18 @@ fn decide<'a>(path: &str, query: &str, access: &Access, field: &impl Fn(&str) ->
     }
 }
 
-/// A host's name as this machine calls itself, with this port.
-fn is_this_machine(host: &str, port: u16) -> bool {
+/// A host's name as this machine calls itself, or the address itself, with its port.
+fn is_this_machine(host: &str, address: SocketAddr) -> bool {
     let (name, given) = match host.rsplit_once(':') {
         Some((name, given)) if !host.ends_with(']') => (name, given.parse().ok()),
         _ => (host, Some(80)),
     };
-    given == Some(port)
-        && ["localhost", "127.0.0.1", "[::1]"].iter().any(|own| own.eq_ignore_ascii_case(name))
+    let ip = match address.ip() {
+        IpAddr::V4(ip) => ip.to_string(),
+        IpAddr::V6(ip) => format!("[{ip}]"),
+    };
+    given == Some(address.port())
+        && ["localhost", "127.0.0.1", "[::1]", &ip].iter().any(|own| own.eq_ignore_ascii_case(name))
 }
 
 /// Equal, in a time that does not tell where they differ.
@@ -159,7 +164,10 @@ mod tests {
     use super::*;
 
     fn ask(head: &str, token: Option<&str>) -> (u16, bool) {
-        let access = Access { token: token.map(str::to_owned), ..Access::loopback(7399) };
+        ask_at(Access { token: token.map(str::to_owned), ..Access::loopback(7399) }, head)
+    }
+
+    fn ask_at(access: Access, head: &str) -> (u16, bool) {
         match answer(head.replace('\n', "\r\n").as_bytes(), &access) {
             Parsed::Done(Answer::Refused(code, _)) => (code, false),
             Parsed::Done(Answer::Stream(_)) => (101, true),
@@ -189,6 +197,17 @@ mod tests {
         assert_eq!(ask(&stream("evil.example:7399", "http://evil.example:7399", ""), None).0, 403);
         assert_eq!(ask(&stream("localhost:80", "", ""), None).0, 403);
         assert_eq!(ask("GET / HTTP/1.1\n\n", None).0, 403);
+    }
+
+    #[test]
+    fn the_address_that_is_printed_is_served() {
+        for host in ["127.0.0.2:7399", "[::1]:7399"] {
+            let address = host.parse().unwrap();
+            let asked = |head: &str| ask_at(Access { address, token: None }, head).0;
+            assert_eq!(asked(&stream(host, &format!("http://{host}"), "")), 101, "{host}");
+            assert_eq!(asked(&stream("127.0.0.3:7399", "", "")), 403);
+        }
+        assert_eq!(ask(&stream("127.0.0.2:7399", "", ""), None).0, 403);
     }
 
     #[test]
