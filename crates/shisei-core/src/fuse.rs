@@ -116,6 +116,16 @@ impl Source {
             Source::None => "none",
         }
     }
+
+    /// The number that programs are sent: 0 none, 1 optical, 2 bridged, 3 inertial.
+    pub fn code(self) -> u8 {
+        match self {
+            Source::None => 0,
+            Source::Optical => 1,
+            Source::Bridged => 2,
+            Source::Inertial => 3,
+        }
+    }
 }
 
 /// One frame of the result.

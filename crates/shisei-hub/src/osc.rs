@@ -2,15 +2,16 @@
 //!
 //! | address | arguments |
 //! |---|---|
-//! | `/shisei/pose` | name, x, y, z (m, z up), q w, x, y, z, source (0 … 3), gap s, expected errors ° and mm (−1: not known) |
+//! | `/shisei/pose` | name, x, y, z (m, z up), q w, x, y, z, source (1 optical, 2 bridged), gap s, expected errors ° and mm (−1: not known) |
 //! | `/VMC/Ext/OK`, `/VMC/Ext/T` | 1; time, s |
 //! | `/VMC/Ext/Tra/Pos` | name, position, q x, y, z, w: bodies as trackers of the VMC protocol, Unity's axes |
 //! | `/VMC/Ext/Bone/Pos` | Unity's name of a bone, position and q relative to its parent |
 //!
-//! A pose that is not to be trusted (source none) is not sent, nor is a position that is not known.
+//! A pose that is not to be trusted (source none) is not sent, nor one without a position: a sensor that is on no body, or
+//! that carries one for too long.
 
 use std::io;
-use std::net::{Ipv4Addr, SocketAddr, UdpSocket};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr, UdpSocket};
 use std::time::{Duration, Instant};
 
 use shisei_core::frames::{Axes, Pose};
@@ -62,7 +63,9 @@ pub struct OscOut {
 impl OscOut {
     /// To an address.
     pub fn new(to: SocketAddr) -> io::Result<Self> {
-        let socket = UdpSocket::bind((Ipv4Addr::UNSPECIFIED, 0))?;
+        let own: IpAddr =
+            if to.is_ipv6() { Ipv6Addr::UNSPECIFIED.into() } else { Ipv4Addr::UNSPECIFIED.into() };
+        let socket = UdpSocket::bind((own, 0))?;
         socket.set_nonblocking(true)?;
         Ok(OscOut { socket, to, sent: None, started: Instant::now() })
     }
@@ -96,27 +99,19 @@ pub fn messages(scene: &Scene, time_s: f64) -> Vec<Vec<u8>> {
     let mut all =
         vec![message("/VMC/Ext/OK", &[Argument::Int(1)]), message("/VMC/Ext/T", &[Argument::Float(time_s)])];
     for object in scene.objects() {
-        let Some(shown) = object.shown.filter(|shown| shown.source != Source::None) else { continue };
-        let source = match shown.source {
-            Source::None => 0,
-            Source::Optical => 1,
-            Source::Bridged => 2,
-            Source::Inertial => 3,
-        };
+        let trusted = object.shown.filter(|shown| shown.source != Source::None && shown.placed);
+        let Some(shown) = trusted else { continue };
         let name = object.path();
         let known = |value: f64| if value.is_finite() { value } else { -1.0 };
         let mut arguments = vec![Argument::Text(&name)];
-        let position = shown.pose.position_m.map(|x| if shown.placed { x } else { f64::NAN });
-        arguments.extend(position.map(Argument::Float));
+        arguments.extend(shown.pose.position_m.map(Argument::Float));
         arguments.extend(shown.pose.world_from_body.to_array().map(Argument::Float));
-        arguments.push(Argument::Int(source));
+        arguments.push(Argument::Int(shown.source.code().into()));
         arguments.push(Argument::Float(shown.gap_s));
         arguments.push(Argument::Float(known(shown.sigma_rad.to_degrees())));
         arguments.push(Argument::Float(known(shown.sigma_m * 1e3)));
-        if shown.placed {
-            all.push(message("/shisei/pose", &arguments));
-            all.push(posed("/VMC/Ext/Tra/Pos", &name, &unity(&shown.pose)));
-        }
+        all.push(message("/shisei/pose", &arguments));
+        all.push(posed("/VMC/Ext/Tra/Pos", &name, &unity(&shown.pose)));
         if let Some((name, local)) = bone(object, scene) {
             all.push(posed("/VMC/Ext/Bone/Pos", name, &local));
         }

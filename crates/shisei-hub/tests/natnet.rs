@@ -14,7 +14,7 @@ use shisei_hub::live::input::ToHub;
 use shisei_hub::live::optics::{BodyInfo, BodyKey};
 use shisei_hub::live::scene::{Key, Scene, Shown};
 use shisei_hub::live::{Input, Line, Output, What};
-use shisei_hub::natnet::{self, Client, NatNetOut, Stream, Told, read, write};
+use shisei_hub::natnet::{self, Client, NatNetOut, Stream, Told, id, read, write};
 
 const PATIENCE: Duration = Duration::from_secs(60);
 const VERSIONS: [(u8, u8); 4] = [(3, 0), (3, 1), (4, 0), (4, 1)];
@@ -316,4 +316,43 @@ fn osc_is_what_an_independent_decoder_reads() {
     assert_eq!(count("/VMC/Ext/OK"), 1);
     // the hidden body is not sent
     assert_eq!((count("/shisei/pose"), count("/VMC/Ext/Tra/Pos"), count("/VMC/Ext/Bone/Pos")), (3, 3, 2));
+}
+
+#[test]
+fn osc_goes_to_an_address_of_either_kind() {
+    for ip in ["127.0.0.1:0", "[::1]:0"] {
+        let Ok(listener) = std::net::UdpSocket::bind(ip) else {
+            eprintln!("skipped: this machine has no {ip}");
+            continue;
+        };
+        listener.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+        let mut out = shisei_hub::osc::OscOut::new(listener.local_addr().expect("bound")).expect("a socket");
+        out.poses(&scene(), None, 0.0);
+        let mut bytes = [0; 2048];
+        let count = listener.recv(&mut bytes).expect("a datagram");
+        assert!(bytes[..count].starts_with(b"#bundle"), "{ip}");
+    }
+}
+
+/// What is streamed is told to clients only; whoever asks for more than he sends gets nothing for it.
+#[test]
+fn who_is_no_client_is_told_no_bodies() {
+    let address = [127, 0, 0, 1].into();
+    let mut server = NatNetOut::new(address, 0, 0, Axes::YUp).expect("free ports");
+    server.scene(&scene());
+    let asker = std::net::UdpSocket::bind("127.0.0.1:0").expect("a port");
+    asker.set_read_timeout(Some(PATIENCE)).expect("a timeout");
+    let ask = |kind: u16| asker.send_to(&write::packet(kind, &[0; 8]), server.address()).expect("sent");
+    let answer = || {
+        let mut bytes = [0; 65_535];
+        let count = asker.recv(&mut bytes).expect("an answer");
+        read::packet(&bytes[..count]).expect("a packet").0
+    };
+    ask(id::REQUEST_MODEL);
+    ask(id::ECHO_REQUEST);
+    assert_eq!(answer(), id::ECHO_RESPONSE);
+    ask(id::CONNECT);
+    assert_eq!(answer(), id::SERVER_INFO);
+    ask(id::REQUEST_MODEL);
+    assert_eq!(answer(), id::MODEL);
 }

@@ -204,13 +204,7 @@ impl Scene {
                 number(&mut out, Some(part), 6);
                 out.push(',');
             }
-            let source = match shown.source {
-                Source::None => 0,
-                Source::Optical => 1,
-                Source::Bridged => 2,
-                Source::Inertial => 3,
-            };
-            let _ = write!(out, "{source},");
+            let _ = write!(out, "{},", shown.source.code());
             number(&mut out, Some(shown.gap_s), 3);
             out.push(',');
             number(&mut out, Some(shown.sigma_rad.to_degrees()), 3);

@@ -182,7 +182,10 @@ impl Shared {
                 None
             }
             id::REQUEST_MODEL => {
-                self.enter(from, None);
+                // a group's listeners need not connect
+                if !self.enter(from, None) && self.group.is_none() {
+                    return;
+                }
                 Some(write::model(&locked(&self.model), self.version(from)))
             }
             id::ECHO_REQUEST => {
