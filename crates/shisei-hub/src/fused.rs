@@ -18,7 +18,7 @@ use shisei_core::frames::Axes;
 use shisei_core::fuse::{FusedFrame, Source};
 
 use crate::cdr;
-use crate::take::{POSE, Schema, add_channel, other};
+use crate::take::{POSE, Schema, add_channel, other, topic};
 
 /// A fused take, one row a frame.
 #[derive(Clone, Copy, Debug)]
@@ -83,13 +83,4 @@ pub fn write(sink: &mut dyn Write, take: &FusedTake<'_>) -> io::Result<()> {
     }
     writer.finish().map_err(other)?;
     Ok(())
-}
-
-/// A body's name as a part of a topic.
-fn topic(name: &str) -> String {
-    let part: String = name
-        .chars()
-        .map(|c| if c.is_whitespace() || c.is_control() || "/:~{}".contains(c) { '_' } else { c })
-        .collect();
-    if part.is_empty() { "body".to_owned() } else { part }
 }

@@ -12,6 +12,8 @@
 //! | `/smoothed_pose/BODY` | as `/pose/BODY`, the same |
 //! | `/event` | what happened, JSON |
 //!
+//! BODY is the body's name, behind its skeleton's and a `/` where it is a bone; in names spaces and `/` become `_`.
+//!
 //! With several receivers the nodes of the second and later ones are called `PORT-N`.
 //!
 //! Chunks are built in memory and written whole, so a cut file ends at most in one torn chunk. [`Take::flush`] is to
@@ -188,7 +190,9 @@ impl<W: Write> Take<W> {
         }
     }
 
-    /// A body in a frame as the cameras saw it, at a time, ns since 1970. Names within a path are divided by `/`.
+    /// A body in a frame as the cameras saw it, at a time, ns since 1970. `path` is as of [`Object::topic`].
+    ///
+    /// [`Object::topic`]: crate::live::scene::Object::topic
     pub fn optical(&mut self, path: &str, pose: &Pose, frame: i64, unix_ns: u64) -> io::Result<()> {
         let message = cdr::pose(pose, &format!("frame {frame}"), unix_ns);
         self.message(&format!("/optical/{path}"), Some(&POSE), unix_ns, unix_ns, &message)
@@ -325,6 +329,15 @@ const IMU: Schema =
 pub(crate) const POSE: Schema =
     Schema { name: cdr::POSE_NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::POSE_DEFINITION };
 const FUSED: Schema = Schema {
+/// A body's or skeleton's name as a part of a topic.
+pub(crate) fn topic(name: &str) -> String {
+    let part: String = name
+        .chars()
+        .map(|c| if c.is_whitespace() || c.is_control() || "/:~{}".contains(c) { '_' } else { c })
+        .collect();
+    if part.is_empty() { "body".to_owned() } else { part }
+}
+
     name: "shisei.Fused",
     encoding: "jsonschema",
     message_encoding: "json",

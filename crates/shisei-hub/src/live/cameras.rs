@@ -122,9 +122,9 @@ impl Hub {
             };
             object.shown = Some(shown);
             if let Some(recorder) = &self.recorder {
-                recorder.give(Record::Optical(object.path(), shown, frame.number, arrival.unix_ns));
+                recorder.give(Record::Optical(object.topic(), shown, frame.number, arrival.unix_ns));
                 if coupling.is_none() {
-                    recorder.give(Record::Pose(object.path(), shown, arrival.unix_ns));
+                    recorder.give(Record::Pose(object.topic(), shown, arrival.unix_ns));
                 }
             }
         } else if coupling.is_none()

@@ -295,7 +295,7 @@ impl Hub {
         };
         if let Ok(lagged) = Lagged::after(merger, &settings) {
             merger.keep_taken(true);
-            smoothing.begin(node, object.path(), lagged);
+            smoothing.begin(node, object.topic(), lagged);
         }
     }
 

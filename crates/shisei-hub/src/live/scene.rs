@@ -8,6 +8,7 @@ use shisei_core::frames::Pose;
 use shisei_core::fuse::Source;
 
 use super::optics::{BodyInfo, BodyKey};
+use crate::take::topic;
 
 /// Objects at most; as many the viewer takes.
 pub const OBJECTS_MAX: usize = 1000;
@@ -70,6 +71,12 @@ impl Object {
             Some(skeleton) => format!("{skeleton}/{}", self.name),
             None => self.name.clone(),
         }
+    }
+
+    /// The same as a recording's topics have it: names without spaces and slashes.
+    pub fn topic(&self) -> String {
+        let name = topic(&self.name);
+        self.skeleton.as_ref().map_or_else(|| name.clone(), |skeleton| format!("{}/{name}", topic(skeleton)))
     }
 }
 
@@ -235,5 +242,21 @@ fn number(out: &mut String, value: Option<f64>, digits: usize) {
             let _ = write!(out, "{value:.digits$}");
         }
         None => out.push_str("null"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_topic_is_of_names_that_divide_nothing() {
+        let mut scene = Scene::default();
+        let object = scene.object(Key::Body(BodyKey::Rigid(1)), "左手 1/2").expect("room");
+        assert_eq!((object.path().as_str(), object.topic().as_str()), ("左手 1/2", "左手_1_2"));
+        object.skeleton = Some("Alice B".into());
+        assert_eq!(object.topic(), "Alice_B/左手_1_2");
+        object.name.clear();
+        assert_eq!(object.topic(), "Alice_B/body");
     }
 }
