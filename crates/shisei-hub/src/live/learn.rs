@@ -2,6 +2,7 @@
 //! happens. The search runs in a thread of its own and never holds up the stream.
 
 use std::collections::VecDeque;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, Sender, channel};
 
 use shisei_core::alignment::Alignment;
@@ -15,9 +16,10 @@ use super::merge::{Clocking, Coupling};
 use super::optics::{BodyKey, OpticalFrame};
 use crate::session::Sample;
 
-/// So much is remembered, s, and this many frames or samples at most.
+/// So much is remembered, s, and this many frames or samples at most; of all frames together so many poses: 80 MB.
 const MEMORY_S: f64 = 30.0;
 const ROWS_MAX: usize = 16_384;
+const POSES_MAX: usize = 1 << 20;
 /// A lever arm that is known less well than this is not used, m.
 const LEVER_SIGMA_M: f64 = 0.03;
 /// An offset that is known less well than this is not used, s.
@@ -78,10 +80,12 @@ impl NodePast {
     }
 }
 
-/// The last frames.
+/// The last frames, without their markers. A copy shares them.
 #[derive(Clone, Debug, Default)]
 pub struct OpticalPast {
-    rows: VecDeque<(OpticalFrame, f64)>,
+    rows: VecDeque<(Arc<OpticalFrame>, f64)>,
+    /// Poses in all of them.
+    poses: usize,
 }
 
 impl OpticalPast {
@@ -94,13 +98,16 @@ impl OpticalPast {
         {
             return;
         }
-        let light = OpticalFrame { markers_m: Vec::new(), ..frame.clone() };
-        self.rows.push_back((light, arrival_s));
-        let newest_s = frame.exposure_s;
+        let (number, exposure_s) = (frame.number, frame.exposure_s);
+        let light = OpticalFrame { number, exposure_s, bodies: frame.bodies.clone(), markers_m: Vec::new() };
+        self.poses += light.bodies.len();
+        self.rows.push_back((Arc::new(light), arrival_s));
         while self.rows.len() > ROWS_MAX
-            || self.rows.front().is_some_and(|(first, _)| newest_s - first.exposure_s > MEMORY_S)
+            || self.poses > POSES_MAX
+            || self.rows.front().is_some_and(|(first, _)| exposure_s - first.exposure_s > MEMORY_S)
         {
-            self.rows.pop_front();
+            let Some((first, _)) = self.rows.pop_front() else { break };
+            self.poses -= first.bodies.len();
         }
     }
 
@@ -123,7 +130,7 @@ impl OpticalPast {
 
     /// Forgets all.
     pub fn clear(&mut self) {
-        self.rows.clear();
+        *self = OpticalPast::default();
     }
 }
 
@@ -306,4 +313,35 @@ fn moves(time_s: &[f64], poses: &[Option<Pose>]) -> bool {
         }
     }
     length_s > 5.0 && squares > MOTION_RAD_S * MOTION_RAD_S * length_s
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn film(bodies: i32, rate_hz: f64, frames: i64) -> OpticalPast {
+        let pose = Pose { position_m: [0.0; 3], world_from_body: Quaternion::IDENTITY };
+        let bodies = (0..bodies).map(|id| (BodyKey::Rigid(id), Some(pose))).collect();
+        let mut frame = OpticalFrame { number: 0, exposure_s: 0.0, bodies, markers_m: vec![[0.0; 3]; 100] };
+        let mut past = OpticalPast::default();
+        for number in 0..frames {
+            (frame.number, frame.exposure_s) = (number, number as f64 / rate_hz);
+            past.push(&frame, frame.exposure_s);
+        }
+        past
+    }
+
+    #[test]
+    fn a_question_shares_the_frames_and_many_bodies_cost_no_more_than_some() {
+        let past = film(170, 240.0, 9000);
+        let poses: usize = past.rows.iter().map(|(frame, _)| frame.bodies.len()).sum();
+        assert!(poses == past.poses && poses <= POSES_MAX && poses + 170 > POSES_MAX, "{poses}");
+        assert!(past.rows.iter().all(|(frame, _)| frame.markers_m.is_empty()));
+        let asked = past.clone();
+        assert!(past.rows.iter().zip(&asked.rows).all(|(a, b)| Arc::ptr_eq(&a.0, &b.0)));
+        // of few bodies half a minute is there
+        let few = film(3, 240.0, 9000);
+        assert_eq!(few.rows.len(), 7201);
+        assert!(few.step_s().is_some_and(|step_s| (step_s * 240.0 - 1.0).abs() < 1e-9));
+    }
 }
