@@ -40,8 +40,8 @@ pub struct Take<W: Write> {
     port: String,
     channels: BTreeMap<String, u16>,
     sequence: u32,
-    /// What each receiver's clock shows at 0 ns: the smallest delay seen.
-    receiver_to_unix_ns: BTreeMap<String, i128>,
+    /// When each receiver's clock showed 0.
+    receivers: BTreeMap<String, Zero>,
     /// The receiver whose nodes are called by their numbers alone.
     first_port: Option<String>,
 }
@@ -52,6 +52,31 @@ impl<W: Write> std::fmt::Debug for Take<W> {
             .field("port", &self.port)
             .field("channels", &self.channels)
             .finish_non_exhaustive()
+    }
+}
+
+/// So long the smallest delay of a line is remembered, ns, and as long again at most: the clocks on both sides run apart.
+const LEAST_NS: u64 = 30_000_000_000;
+
+/// When a receiver's clock showed 0, ns since 1970: the line only ever delays, so the smallest delay is the best guess.
+#[derive(Clone, Copy, Debug)]
+struct Zero {
+    /// When `least` was begun.
+    since_ns: u64,
+    /// The smallest since then.
+    least: i128,
+    /// The smallest of the time before.
+    before: i128,
+}
+
+impl Zero {
+    /// Takes another difference of both clocks; the smallest of the last half minute to minute.
+    fn take(&mut self, unix_ns: u64, difference: i128) -> i128 {
+        if unix_ns.saturating_sub(self.since_ns) > LEAST_NS {
+            (self.since_ns, self.before, self.least) = (unix_ns, self.least, difference);
+        }
+        self.least = self.least.min(difference);
+        self.least.min(self.before)
     }
 }
 
@@ -111,7 +136,7 @@ impl<W: Write> Take<W> {
             port: port.to_owned(),
             channels: BTreeMap::new(),
             sequence: 0,
-            receiver_to_unix_ns: BTreeMap::new(),
+            receivers: BTreeMap::new(),
             first_port: None,
         };
         take.flush()?;
@@ -171,6 +196,7 @@ impl<W: Write> Take<W> {
             }
             Item::ReceiverRebooted(boot) => {
                 self.event(unix_ns, &json!({"event": "ReceiverRebooted", "value": boot}))
+                self.receivers.remove(port);
             }
             Item::Node(node) => self.event(
                 unix_ns,
@@ -241,9 +267,13 @@ impl<W: Write> Take<W> {
     /// A receiver's time as time of day: the line only ever delays, so the smallest delay is the best guess.
     fn stamp(&mut self, port: &str, time_s: f64, receiver_s: f64, unix_ns: u64) -> u64 {
         let difference = i128::from(unix_ns) - (receiver_s * 1e9) as i128;
-        let known = self.receiver_to_unix_ns.get(port).map_or(difference, |known| (*known).min(difference));
-        self.receiver_to_unix_ns.insert(port.to_owned(), known);
-        ((time_s * 1e9) as i128 + known).clamp(0, i128::from(u64::MAX)) as u64
+        let zero = self.receivers.entry(port.to_owned()).or_insert(Zero {
+            since_ns: unix_ns,
+            least: difference,
+            before: difference,
+        });
+        let least = zero.take(unix_ns, difference);
+        ((time_s * 1e9) as i128 + least).clamp(0, i128::from(u64::MAX)) as u64
     }
 
     fn message(
@@ -373,4 +403,23 @@ fn columns(sample: &Sample) -> serde_json::Value {
         "filter": format!("{:?}", sample.filter),
         "calibrated": sample.calibrated,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The receiver's clock is slower by 100 ppm, the line delays by up to 20 ms: for two hours the time of day that is
+    /// made of its time stays with that at which samples come.
+    #[test]
+    fn a_receivers_clock_that_runs_apart_is_followed() {
+        let mut zero = Zero { since_ns: 0, least: i128::MAX, before: i128::MAX };
+        for k in 0..720_000_i128 {
+            let (true_ns, delay_ns) = (k * 10_000_000, k * 7919 % 20_000_000);
+            let (receiver_ns, unix_ns) = (true_ns - true_ns / 10_000, true_ns + delay_ns);
+            let found_ns = receiver_ns + zero.take(unix_ns as u64, unix_ns - receiver_ns);
+            // a minute's 6 ms
+            assert!((found_ns - true_ns).abs() < 7_000_000, "{k}: {}", found_ns - true_ns);
+        }
+    }
 }

@@ -233,3 +233,37 @@ fn the_importer_reads_our_recordings_whole_and_cut() {
     assert!(cut.len() > told.len() / 2 && cut.len() < told.len());
     assert!(cut.warnings.iter().any(|note| note.code == "mcap-cut"));
 }
+
+/// A receiver that starts anew counts its time anew: the time of day of what it sends does not follow.
+#[test]
+fn stamps_stay_with_the_time_of_day_when_the_receiver_starts_anew() {
+    let disk = Disk::default();
+    let mut take = Take::new(disk.clone(), "port").unwrap();
+    let (mut session, mut items) = (Session::default(), Vec::new());
+    let mut now_ns = START_NS;
+    for seed in [1, 2] {
+        let mut lab = Lab::new(Settings { seed, movement_s: 10.0, ..Settings::default() });
+        for step in 1..=800 {
+            lab.run_to(f64::from(step) * 0.01);
+            now_ns += 10_000_000;
+            let mut new = Vec::new();
+            lab.serial(&mut new);
+            session.push(&new, &mut items);
+            for item in items.drain(..) {
+                take.item(&item, session.time_s(), now_ns).unwrap();
+            }
+        }
+    }
+    take.finish().unwrap();
+    let file = disk.bytes.lock().unwrap().clone();
+    let mut count = 0;
+    for message in mcap::MessageStream::new(&file).unwrap() {
+        let message = message.unwrap();
+        if message.channel.topic.starts_with("/imu/") && message.publish_time != message.log_time {
+            let late_s = (message.log_time as f64 - message.publish_time as f64) * 1e-9;
+            assert!((-0.02..0.5).contains(&late_s), "{late_s} s");
+            count += 1;
+        }
+    }
+    assert!(count > 2500, "{count}");
+}
