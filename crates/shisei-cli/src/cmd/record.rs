@@ -18,7 +18,7 @@ use super::ports::{Feed, Got, no_port, stop_flag};
 use crate::args_live::Record;
 use crate::fail::{Failure, Outcome, say};
 
-/// What was recorded reaches the disk at least this often.
+/// What was recorded is handed to the system at least this often: it survives the end of this process.
 const FLUSH: Duration = Duration::from_millis(400);
 /// And after so many bytes of the port: a file's come faster than any receiver's.
 const FLUSH_BYTES: usize = 32_768;
@@ -111,7 +111,7 @@ struct Recorder<'a> {
     tagged: u64,
     interruptions: u32,
     shown_lines: usize,
-    /// Bytes since the last that reached the disk.
+    /// Bytes since the last that were handed to the system.
     unflushed: usize,
 }
 

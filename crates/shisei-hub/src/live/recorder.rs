@@ -21,8 +21,10 @@ use super::scene::{Key, Shown};
 use crate::session::Item;
 use crate::take::Take;
 
-/// What was recorded reaches the disk at least this often.
+/// What was recorded is handed to the system at least this often: it survives the end of this process.
 const FLUSH: Duration = Duration::from_millis(400);
+/// And about so often all of it is on the disk: it survives a power failure.
+const SYNC: Duration = Duration::from_secs(1);
 /// Names that are tried for a recording.
 const NAMES_MAX: u32 = 10_000;
 
@@ -152,9 +154,9 @@ fn create(wanted: &Path) -> io::Result<(PathBuf, File)> {
 fn work(file: File, records: &Waiting, bytes: &AtomicU64) -> io::Result<()> {
     let handle = file.try_clone()?;
     let mut take = Take::new(file, "live")?;
-    let outcome = fill(&mut take, records, bytes);
+    let outcome = fill(&mut take, &handle, records, bytes);
     let written = take.written();
-    if let Err(error) = outcome.and_then(|()| take.finish()) {
+    if let Err(error) = outcome.and_then(|()| take.finish()).and_then(|()| handle.sync_data()) {
         // what was not written whole is no use to anybody
         let _ = handle.set_len(written);
         return Err(error);
@@ -162,8 +164,8 @@ fn work(file: File, records: &Waiting, bytes: &AtomicU64) -> io::Result<()> {
     Ok(())
 }
 
-fn fill(take: &mut Take<File>, records: &Waiting, bytes: &AtomicU64) -> io::Result<()> {
-    let mut flushed = Instant::now();
+fn fill(take: &mut Take<File>, file: &File, records: &Waiting, bytes: &AtomicU64) -> io::Result<()> {
+    let (mut flushed, mut synced) = (Instant::now(), Instant::now());
     loop {
         match records.take(FLUSH) {
             Ok(record) => write(take, record)?,
@@ -174,6 +176,10 @@ fn fill(take: &mut Take<File>, records: &Waiting, bytes: &AtomicU64) -> io::Resu
             take.flush()?;
             flushed = Instant::now();
             bytes.store(take.written(), Ordering::Relaxed);
+            if synced.elapsed() >= SYNC {
+                file.sync_data()?;
+                synced = Instant::now();
+            }
         }
     }
 }
