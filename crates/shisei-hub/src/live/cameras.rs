@@ -73,7 +73,7 @@ impl Hub {
             }
         }
         if let Some(input) = self.inputs.get_mut(arrival.input)
-            && input.kind == Kind::NatNet
+            && matches!(input.kind, Kind::NatNet | Kind::Replay)
         {
             input.rate.add(arrival.at, 1);
         }
