@@ -180,7 +180,8 @@ impl<W: Write> Take<W> {
                     columns.to_string().as_bytes(),
                 )
             }
-            Item::Hello(_) => Ok(()),
+            // the gate's own event tells when
+            Item::Hello(_) | Item::CountedAnew => Ok(()),
             Item::Event(event) => self.event(
                 unix_ns,
                 &json!({
@@ -195,8 +196,8 @@ impl<W: Write> Take<W> {
                 self.event(unix_ns, &json!({"event": "RebootedHere", "node": node, "value": boot}))
             }
             Item::ReceiverRebooted(boot) => {
-                self.event(unix_ns, &json!({"event": "ReceiverRebooted", "value": boot}))
                 self.receivers.remove(port);
+                self.event(unix_ns, &json!({"event": "ReceiverRebooted", "value": boot}))
             }
             Item::Node(node) => self.event(
                 unix_ns,
@@ -264,7 +265,7 @@ impl<W: Write> Take<W> {
         self.message("/event", Some(&EVENT), unix_ns, unix_ns, event.to_string().as_bytes())
     }
 
-    /// A receiver's time as time of day: the line only ever delays, so the smallest delay is the best guess.
+    /// A receiver's time as time of day.
     fn stamp(&mut self, port: &str, time_s: f64, receiver_s: f64, unix_ns: u64) -> u64 {
         let difference = i128::from(unix_ns) - (receiver_s * 1e9) as i128;
         let zero = self.receivers.entry(port.to_owned()).or_insert(Zero {
@@ -328,6 +329,15 @@ impl<W: Write> Take<W> {
     }
 }
 
+/// A body's or skeleton's name as a part of a topic.
+pub(crate) fn topic(name: &str) -> String {
+    let part: String = name
+        .chars()
+        .map(|c| if c.is_whitespace() || c.is_control() || "/:~{}".contains(c) { '_' } else { c })
+        .collect();
+    if part.is_empty() { "body".to_owned() } else { part }
+}
+
 pub(crate) fn add_channel<W: Write + io::Seek>(
     writer: &mut mcap::Writer<W>,
     topic: &str,
@@ -359,15 +369,6 @@ const IMU: Schema =
 pub(crate) const POSE: Schema =
     Schema { name: cdr::POSE_NAME, encoding: "ros2msg", message_encoding: "cdr", text: cdr::POSE_DEFINITION };
 const FUSED: Schema = Schema {
-/// A body's or skeleton's name as a part of a topic.
-pub(crate) fn topic(name: &str) -> String {
-    let part: String = name
-        .chars()
-        .map(|c| if c.is_whitespace() || c.is_control() || "/:~{}".contains(c) { '_' } else { c })
-        .collect();
-    if part.is_empty() { "body".to_owned() } else { part }
-}
-
     name: "shisei.Fused",
     encoding: "jsonschema",
     message_encoding: "json",

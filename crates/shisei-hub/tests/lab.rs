@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use shisei_hub::{Item, Sample, Session};
 use shisei_twin::lab::{Lab, Outage, Settings};
 use shisei_wire::message::EventCode;
+use shisei_wire::{Deframer, Message};
 
 /// What a session told over a laboratory's time; the PC reads every 5 ms.
 fn run(lab: &mut Lab, duration_s: f64) -> (Vec<Item>, Vec<u8>) {
@@ -153,6 +154,41 @@ fn bad_radio_and_a_restart_are_told_and_nothing_is_tagged_wrongly() {
     }
     session.finish(&mut again);
     assert_eq!(again, items);
+}
+
+/// The gate rises once for each take: frames count from the last one, and that is told.
+#[test]
+fn a_second_take_counts_from_its_own_gate() {
+    let (gate_s, second_gate_s) = (Some(3.0), Some(12.0));
+    let mut lab = Lab::new(Settings { gate_s, second_gate_s, movement_s: 20.0, ..Settings::default() });
+    let (items, bytes) = run(&mut lab, 20.0);
+    let anew = |items: &[Item]| items.iter().filter(|item| **item == Item::CountedAnew).count();
+    assert_eq!((events(&items, EventCode::GateUp).len(), anew(&items)), (2, 2));
+    let (errors, _) = frame_errors_from_gate(&lab, &items);
+    let (median, largest) = median_and_max(&errors);
+    println!("two takes: {} samples, frame error µs median {median}, largest {largest}", errors.len());
+    assert!(errors.len() > 3800 && median <= 20.0 && largest <= 200.0, "{median} {largest}");
+    let last = samples(&items).filter_map(|sample| sample.frame).last().expect("frames");
+    assert!(last < 8.0 * 120.0, "{last}");
+    // the same where the gate's own message is lost on the line
+    let (mut session, mut without) = (Session::default(), Vec::new());
+    for frame in bytes.split_inclusive(|byte| *byte == 0) {
+        let (mut deframer, mut gate) = (Deframer::default(), false);
+        for &byte in frame {
+            if let Some(Ok(Ok(Message::Event(event)))) =
+                deframer.push(byte).map(|frame| frame.map(Message::decode))
+            {
+                gate = event.code == EventCode::GateUp;
+            }
+        }
+        if !gate {
+            session.push(frame, &mut without);
+        }
+    }
+    session.finish(&mut without);
+    assert_eq!((events(&without, EventCode::GateUp).len(), anew(&without)), (0, 2));
+    let frames = |items: &[Item]| samples(items).map(|sample| sample.frame).collect::<Vec<_>>();
+    assert_eq!(frames(&without), frames(&items));
 }
 
 #[test]

@@ -251,7 +251,7 @@ impl<'a> Recorder<'a> {
                     _ => {}
                 }
             }
-            Item::Calibration(..) | Item::Hello(_) | Item::Garbage => {}
+            Item::Calibration(..) | Item::CountedAnew | Item::Hello(_) | Item::Garbage => {}
         }
     }
 

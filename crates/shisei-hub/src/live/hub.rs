@@ -62,7 +62,6 @@ pub(super) struct Port {
     pub stream: natnet::Stream,
     /// The server's newest words about itself and what it streams: a recording begins with them.
     pub words: [Option<Vec<u8>>; 2],
-    pub from_gate: Option<bool>,
     /// When it first brought something.
     pub since: Instant,
     /// That nothing of it can be read has been told.
@@ -263,7 +262,6 @@ impl Hub {
                 session: None,
                 stream: natnet::Stream::default(),
                 words: [None, None],
-                from_gate: None,
                 since: arrival.at,
                 unreadable: false,
             });

@@ -127,17 +127,17 @@ impl Hub {
     }
 
     fn sample(&mut self, port: usize, sample: &Sample, arrival: &Arrival) {
-        // another count of the pulses: frames before and after have nothing to do with each other
-        let known = self.ports[port].from_gate;
-        if sample.frame.is_some() && known != Some(sample.from_gate) {
-            self.ports[port].from_gate = Some(sample.from_gate);
-            if known.is_some() {
-                self.uncouple(port);
-            }
-        }
         let Some(index) = self.nodes.iter().position(|node| node.place == (port, sample.node)) else {
             return;
         };
+            Item::CountedAnew => {
+                self.note(Note::new(
+                    Level::Info,
+                    "pulses are counted anew; sensors are found on their bodies again",
+                    "パルスの番号が最初に戻りました。センサと剛体を対応付け直します",
+                ));
+                self.uncouple(port);
+            }
         let node = &mut self.nodes[index];
         let came = node.arrival();
         let sample = &node.corrected(sample);

@@ -93,6 +93,8 @@ pub enum Item {
     Rebooted(u8, u16),
     /// The receiver itself started anew: its new boot id.
     ReceiverRebooted(u16),
+    /// Pulses are counted anew, from the recording gate: frames before and after have nothing to do with each other.
+    CountedAnew,
     /// A node's name and state.
     Node(NodeInfo),
     /// The calibration that a node keeps: node, and what; none where it keeps none.
@@ -208,10 +210,10 @@ impl Session {
             }
             Message::Pulse(pulse) => {
                 let time_s = pulse.time_us as f64 * 1e-6;
-                if pulse.gate_seen && !self.from_gate {
-                    // What waits belongs to the old counting and is between its last pulse and the gate.
-                    self.release(items, true);
-                    self.pulses.clear();
+                // the gate's own message may have been lost on the line
+                let smaller = self.pulses.newest().is_some_and(|newest| pulse.count < newest.count);
+                if smaller || (pulse.gate_seen && !self.from_gate) {
+                    self.count_anew(items);
                 }
                 self.from_gate = pulse.gate_seen;
                 self.counts.pulses += 1;
@@ -228,8 +230,10 @@ impl Session {
                 self.data(&data, &packet, items);
             }
             Message::Event(event) => {
-                if event.code == EventCode::Started {
-                    self.receiver(event.value as u16, items);
+                match event.code {
+                    EventCode::Started => self.receiver(event.value as u16, items),
+                    EventCode::GateUp => self.count_anew(items),
+                    _ => {}
                 }
                 self.newest_us = self.newest_us.max(event.time_us);
                 items.push(Item::Event(event));
@@ -240,6 +244,15 @@ impl Session {
             Message::Command(_) => {}
         }
         self.release(items, false);
+    }
+
+    /// The receiver counts pulses anew. What waits belongs to the old count and is after its last pulse.
+    fn count_anew(&mut self, items: &mut Vec<Item>) {
+        if self.pulses.newest().is_some() {
+            self.release(items, true);
+            self.pulses.clear();
+            items.push(Item::CountedAnew);
+        }
     }
 
     fn receiver(&mut self, boot: u16, items: &mut Vec<Item>) {

@@ -14,6 +14,8 @@ mod truth;
 pub use clock::Clock;
 pub use truth::Boot;
 
+use std::collections::VecDeque;
+
 use shisei_device::receiver::{NODES_MAX, Receiver};
 use shisei_wire::Calibration;
 use shisei_wire::message::NO_NODE;
@@ -29,6 +31,9 @@ use node::SimulatedNode;
 const STEP_S: f64 = 1e-3;
 /// Bytes that wait for the PC.
 const OUTBOX: usize = 8192;
+
+/// The recording gate is down for so long before it rises again, s.
+pub const GATE_DOWN_S: f64 = 1.0;
 
 const STREAM_RECEIVER: u64 = 20;
 const STREAM_NODES: u64 = 30;
@@ -66,6 +71,9 @@ pub struct Settings {
     pub camera_hz: f64,
     /// When the recording gate rises, s; none: no gate, pulses count from the start.
     pub gate_s: Option<f64>,
+    /// When it rises once more, for a second take, s: later than the first time by more than [`GATE_DOWN_S`], for which
+    /// it is down before; none: it stays up.
+    pub second_gate_s: Option<f64>,
     /// Share of connection events that are missed, 0 … 1.
     pub missed: f64,
     /// Standard deviation of anchor points on either side, µs.
@@ -95,6 +103,7 @@ impl Default for Settings {
             seed: 1,
             camera_hz: 120.0,
             gate_s: None,
+            second_gate_s: None,
             missed: 0.02,
             anchor_jitter_us: 1.0,
             skew_ppm: 40.0,
@@ -117,7 +126,8 @@ pub struct Lab {
     receiver: Receiver<OUTBOX>,
     receiver_clock: Clock,
     pulses: u32,
-    gate_up: bool,
+    /// Changes of the recording gate to come: when, s, and whether it rises.
+    gates: VecDeque<(f64, bool)>,
     nodes: Vec<SimulatedNode>,
     /// Which node is at which place of the receiver.
     places: [Option<usize>; NODES_MAX],
@@ -139,12 +149,14 @@ impl Lab {
                 SimulatedNode::new(index, &settings, Random::new(settings.seed, STREAM_NODES + index as u64))
             })
             .collect();
+        let first = settings.gate_s.map(|gate_s| (gate_s, true));
+        let second = settings.second_gate_s.map(|gate_s| [(gate_s - GATE_DOWN_S, false), (gate_s, true)]);
         Lab {
             time_s: 0.0,
             receiver: Receiver::new(boot, receiver_clock.us(0.0)),
             receiver_clock,
             pulses: 0,
-            gate_up: false,
+            gates: first.into_iter().chain(second.into_iter().flatten()).collect(),
             nodes,
             places: [None; NODES_MAX],
             settings,
@@ -167,14 +179,11 @@ impl Lab {
         self.time_s += STEP_S;
         let now_s = self.time_s;
         let now_us = self.receiver_clock.us(now_s);
-        if let Some(gate_s) = self.settings.gate_s
-            && !self.gate_up
-            && now_s >= gate_s
-        {
-            self.gate_up = true;
+        while let Some((gate_s, up)) = self.gates.front().copied().filter(|(gate_s, _)| now_s >= *gate_s) {
+            self.gates.pop_front();
             let before = math_ceil(gate_s * self.settings.camera_hz);
             self.pulses_before(f64::from(before) / self.settings.camera_hz);
-            self.receiver.gate(true, self.receiver_clock.us(gate_s), self.pulses);
+            self.receiver.gate(up, self.receiver_clock.us(gate_s), self.pulses);
         }
         self.pulses_before(now_s);
         for node in &mut self.nodes {
@@ -232,9 +241,12 @@ impl Lab {
         self.nodes.get(node)?.boots.iter().find(|b| b.id == boot).map(|b| b.true_time_s(stamp_us, near_s))
     }
 
-    /// The true frame index of a true time, counted from the gate where there is one.
+    /// The true frame index of a true time, counted from the gate where there is one: from the second from when that
+    /// rises.
     pub fn true_frame(&self, time_s: f64) -> f64 {
-        let first = self.settings.gate_s.map_or(0, |gate_s| math_ceil(gate_s * self.settings.camera_hz));
+        let second = self.settings.second_gate_s.filter(|gate_s| time_s >= *gate_s);
+        let gate_s = second.or(self.settings.gate_s);
+        let first = gate_s.map_or(0, |gate_s| math_ceil(gate_s * self.settings.camera_hz));
         time_s * self.settings.camera_hz - f64::from(first)
     }
 
