@@ -31,6 +31,8 @@ const NEIGHBOUR_STEPS: f64 = 1.5;
 const SURE_STEPS: f64 = 2.0;
 /// Frames that are remembered at most, while no samples come.
 const FRAMES_MAX: usize = 4096;
+/// Samples that wait for frames at most: the oldest no longer, then.
+const SAMPLES_MAX: usize = 4096;
 /// Lots of frames and samples that wait for the thread at most: many seconds of twenty nodes.
 const WAITING_MAX: usize = 100_000;
 
@@ -101,7 +103,7 @@ impl Lagged {
     /// Takes the samples up to a time, s.
     fn advance(&mut self, up_to_s: f64, out: &mut Vec<Late>) {
         while let Some(&(time_s, dt_s, sample)) = self.waiting.front() {
-            if time_s > up_to_s {
+            if time_s > up_to_s && self.waiting.len() <= SAMPLES_MAX {
                 break;
             }
             self.waiting.pop_front();
@@ -271,8 +273,48 @@ fn shown(late: &Late) -> Option<Shown> {
 
 #[cfg(test)]
 mod tests {
+    use shisei_core::alignment::Alignment;
+    use shisei_core::estimator::BridgeSettings;
+    use shisei_wire::packet::{FilterKind, Start};
+
     use super::super::backlog::backlog;
+    use super::super::merge::{Clocking, Coupling};
     use super::*;
+
+    /// A sample from the far future, then the usual ones.
+    #[test]
+    fn times_that_go_back_cost_no_memory() {
+        let clocking = Clocking::Pulses { shift: 0.0 };
+        let coupling = Coupling { alignment: Alignment::default(), clocking, step_s: 0.01 };
+        let merger = Merger::new(coupling, &BridgeSettings::default()).unwrap();
+        let mut lagged = Lagged::after(&merger, &DelayedSettings::default()).unwrap();
+        let sample = Sample {
+            node: 0,
+            boot: 0,
+            sequence: 0,
+            raw_sequence: 0,
+            stamp_us: 0,
+            time_s: None,
+            frame: None,
+            from_gate: false,
+            arrival_frame: None,
+            gyro_rad_s: [0.0; 3],
+            acc_m_s2: [0.0, 0.0, 9.8],
+            world_from_body: Quaternion::IDENTITY,
+            temperature_c: None,
+            late: false,
+            reading_missed: false,
+            start: Start::Done,
+            filter: FilterKind::Complementary,
+            calibrated: false,
+        };
+        let mut out = Vec::new();
+        lagged.push(&Taken::Sample(5000.0, 0.01, sample), 0, &mut out);
+        for k in 0..3 * SAMPLES_MAX {
+            lagged.push(&Taken::Sample(0.01 * k as f64, 0.01, sample), 0, &mut out);
+        }
+        assert!(lagged.waiting.len() <= SAMPLES_MAX && !out.is_empty());
+    }
 
     /// A thread that never comes to its work.
     #[test]

@@ -44,6 +44,13 @@ pub enum Clocking {
     },
 }
 
+impl Clocking {
+    /// Both by pulses, or both by times: what was compared before is in the same times.
+    pub fn is_like(&self, other: &Clocking) -> bool {
+        std::mem::discriminant(self) == std::mem::discriminant(other)
+    }
+}
+
 /// A sensor on a body.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coupling {
@@ -125,7 +132,6 @@ pub struct Merger {
     time_s: Option<f64>,
     seen_s: Option<f64>,
     off: VecDeque<(f64, Vec3, Vec3)>,
-    lost_frames: u64,
     /// Where it is asked for: what was taken, and the number of the last frame in it.
     taken: Option<(Vec<Taken>, i64)>,
 }
@@ -145,7 +151,6 @@ impl Merger {
             time_s: None,
             seen_s: None,
             off: VecDeque::new(),
-            lost_frames: 0,
             taken: None,
         })
     }
@@ -155,17 +160,12 @@ impl Merger {
         &self.coupling
     }
 
-    /// The clocks have been compared anew.
+    /// The clocks have been compared anew, in the same way as before ([`Clocking::is_like`]).
     pub fn set_clocking(&mut self, clocking: Clocking) {
         self.coupling.clocking = clocking;
         let again: Vec<Seen> = self.frames.drain(..).map(|(_, seen)| seen).collect();
         self.whole = 0;
         again.into_iter().for_each(|seen| self.insert(seen));
-    }
-
-    /// Frames that were missing when samples after them were taken.
-    pub fn lost_frames(&self) -> u64 {
-        self.lost_frames
     }
 
     /// The causal estimate.
@@ -233,11 +233,8 @@ impl Merger {
             let (last, next) = (self.frames.get(self.whole - 1), self.frames.get(self.whole));
             let (Some((_, last)), Some((_, next))) = (last, next) else { break };
             let follows = next.number == last.number + 1;
-            if !follows {
-                if self.frames.len() - self.whole < LATE_FRAMES {
-                    break;
-                }
-                self.lost_frames += (next.number - last.number - 1).unsigned_abs();
+            if !follows && self.frames.len() - self.whole < LATE_FRAMES {
+                break;
             }
             self.whole += 1;
         }

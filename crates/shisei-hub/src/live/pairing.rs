@@ -94,11 +94,24 @@ impl Hub {
         }
         node.tries = 0;
         match &mut node.merger {
-            Some(merger) => {
+            Some(merger) if merger.coupling().clocking.is_like(&found.coupling.clocking) => {
                 merger.set_clocking(found.coupling.clocking);
                 node.sync_s = Some(found.sigma_s);
             }
-            None => self.couple(index, found.body, found.coupling, found.sigma_s),
+            // also where pulses have begun: what is remembered is in the times of another clock
+            _ => {
+                self.end_of_estimates(index);
+                self.couple(index, found.body, found.coupling, found.sigma_s);
+            }
+        }
+    }
+
+    /// What a node's sensor made of its body ends here.
+    fn end_of_estimates(&mut self, index: usize) {
+        let Some(node) = self.nodes.get_mut(index) else { return };
+        let smoothing = self.recorder.as_ref().and_then(Recorder::smoothing);
+        if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
+            smoothing.end_of(index);
         }
     }
 
@@ -115,6 +128,7 @@ impl Hub {
     pub(super) fn uncouple_node(&mut self, index: usize) {
         let Some(node) = self.nodes.get_mut(index) else { return };
         let smoothing = self.recorder.as_ref().and_then(Recorder::smoothing);
+        self.end_of_estimates(index);
         if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
             smoothing.end_of(index);
         }
