@@ -113,9 +113,11 @@ impl Hub {
         if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
             smoothing.end_of(index);
         }
+        node.merger = None;
+        node.merging.clear();
     }
 
-    /// Sensors of a port are no longer brought together with bodies: its clock has changed.
+    /// Sensors of a port are no longer brought together with bodies: its clock or its count of pulses has changed.
     pub(super) fn uncouple(&mut self, port: usize) {
         for index in 0..self.nodes.len() {
             if self.nodes[index].place.0 == port {
@@ -126,17 +128,20 @@ impl Hub {
 
     /// One sensor is no longer brought together with its body: its clock or its readings have changed.
     pub(super) fn uncouple_node(&mut self, index: usize) {
-        let Some(node) = self.nodes.get_mut(index) else { return };
-        let smoothing = self.recorder.as_ref().and_then(Recorder::smoothing);
         self.end_of_estimates(index);
-        if let Some(smoothing) = smoothing.filter(|_| node.merger.is_some()) {
-            smoothing.end_of(index);
-        }
+        let Some(node) = self.nodes.get_mut(index) else { return };
         node.past.clear();
-        node.merger = None;
-        node.merging.clear();
         node.asked = None;
         node.sync_s = None;
+        // it may be moved to another body meanwhile; where its body was said, that is brought back
+        let name = node.name.clone();
+        if let Some(body) = node.body.take()
+            && let Some(object) =
+                self.scene.get_mut(Key::Body(body)).filter(|o| o.node.as_ref() == Some(&name))
+        {
+            object.node = None;
+            self.scene.changed = true;
+        }
     }
 
     /// A sensor is brought together with a body from now on.
