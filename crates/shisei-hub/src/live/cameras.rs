@@ -94,7 +94,7 @@ impl Hub {
             let mut moved = Vec::new();
             let seen = Seen { number: frame.number, exposure_s: frame.exposure_s, pose };
             merger.frame(seen, &mut moved);
-            self.moved(index, &moved, arrival);
+            self.moved(index, &moved, arrival.at, arrival.unix_ns);
         }
         if newest {
             self.give_out();

@@ -64,6 +64,8 @@ pub(super) struct Port {
     pub words: [Option<Vec<u8>>; 2],
     /// When it first brought something.
     pub since: Instant,
+    /// When its newest bytes came, ns since 1970: of a recording, when they were recorded.
+    pub heard_ns: u64,
     /// That nothing of it can be read has been told.
     pub unreadable: bool,
 }
@@ -263,6 +265,7 @@ impl Hub {
                 stream: natnet::Stream::default(),
                 words: [None, None],
                 since: arrival.at,
+                heard_ns: arrival.unix_ns,
                 unreadable: false,
             });
             return Some(self.ports.len() - 1);

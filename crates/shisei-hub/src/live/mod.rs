@@ -29,6 +29,8 @@ pub mod scene;
 pub mod settings;
 mod showing;
 mod status;
+#[cfg(test)]
+mod tests;
 
 pub use board::Board;
 pub use command::Command;

@@ -1,10 +1,10 @@
 //! What receivers say: samples, nodes, losses.
 
 use std::sync::Arc;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
-use super::hub::{Hub, NODES_MAX};
-use super::input::Arrival;
+use super::hub::{Hub, NODES_MAX, Port};
+use super::input::{Arrival, What};
 use super::node::Node;
 use super::note::{Level, Note};
 use super::recorder::Record;
@@ -19,6 +19,7 @@ impl Hub {
     pub(super) fn serial(&mut self, arrival: &Arrival, bytes: &[u8]) {
         let Some(index) = self.port(arrival) else { return };
         let port = &mut self.ports[index];
+        port.heard_ns = arrival.unix_ns;
         if let Some(recorder) = &self.recorder {
             recorder.give(Record::Raw(Arc::clone(&port.name), bytes.to_vec(), arrival.unix_ns));
         }
@@ -27,7 +28,6 @@ impl Hub {
         let before = session.counts();
         session.push(bytes, &mut items);
         let after = session.counts();
-        let (name, receiver_s) = (Arc::clone(&port.name), session.time_s());
         for place in session.nodes() {
             let Some(quality) = session.quality(place) else { continue };
             let Some(node) = self.node(index, place) else { continue };
@@ -57,6 +57,14 @@ impl Hub {
                 format!("{name}：読めるデータが届いていません。レシーバのポートか確認してください"),
             ));
         }
+        self.take_in(index, &mut items, arrival);
+        self.items = items;
+    }
+
+    /// What a port's session told goes into the recording and to whom it concerns.
+    fn take_in(&mut self, port: usize, items: &mut Vec<Item>, arrival: &Arrival) {
+        let Some(Port { name, session: Some(session), .. }) = self.ports.get(port) else { return };
+        let (name, receiver_s) = (Arc::clone(name), session.time_s());
         for item in items.drain(..) {
             if let Some(recorder) = &self.recorder
                 && !matches!(item, Item::Hello(_))
@@ -64,9 +72,27 @@ impl Hub {
                 let item = Box::new(item.clone());
                 recorder.give(Record::Item(Arc::clone(&name), item, receiver_s, arrival.unix_ns));
             }
-            self.item(index, item, arrival);
+            self.item(port, item, arrival);
         }
-        self.items = items;
+    }
+
+    /// The end: samples that wait for a clock, for a pulse or for a frame are taken as they are.
+    pub(super) fn take_what_waits(&mut self) {
+        for index in 0..self.ports.len() {
+            let port = &mut self.ports[index];
+            let Some(session) = &mut port.session else { continue };
+            let mut items = Vec::new();
+            session.finish(&mut items);
+            let arrival = Arrival {
+                input: port.input,
+                port: Arc::clone(&port.name),
+                at: Instant::now(),
+                unix_ns: port.heard_ns,
+                what: What::End,
+            };
+            self.take_in(index, &mut items, &arrival);
+        }
+        self.release(Instant::now());
     }
 
     /// The node at a place of a port.
@@ -112,6 +138,14 @@ impl Hub {
                 self.note(Note::new(Level::Warning, "the receiver started anew", "レシーバが再起動しました"));
                 self.uncouple(port);
             }
+            Item::CountedAnew => {
+                self.note(Note::new(
+                    Level::Info,
+                    "pulses are counted anew; sensors are found on their bodies again",
+                    "パルスの番号が最初に戻りました。センサと剛体を対応付け直します",
+                ));
+                self.uncouple(port);
+            }
             Item::Event(event) => self.refused(port, &event),
             Item::Calibration(place, kept) => {
                 let kept = kept.as_ref().map(kept::of_node);
@@ -130,14 +164,6 @@ impl Hub {
         let Some(index) = self.nodes.iter().position(|node| node.place == (port, sample.node)) else {
             return;
         };
-            Item::CountedAnew => {
-                self.note(Note::new(
-                    Level::Info,
-                    "pulses are counted anew; sensors are found on their bodies again",
-                    "パルスの番号が最初に戻りました。センサと剛体を対応付け直します",
-                ));
-                self.uncouple(port);
-            }
         let node = &mut self.nodes[index];
         let came = node.arrival();
         let sample = &node.corrected(sample);
@@ -149,7 +175,7 @@ impl Hub {
             let mut moved = Vec::new();
             merger.sample(sample, &mut moved);
             node.merging.extend(came);
-            self.moved(index, &moved, arrival);
+            self.moved(index, &moved, arrival.at, arrival.unix_ns);
         } else {
             let shown = node.alone(sample, arrival.at);
             let name = node.name.clone();

@@ -281,8 +281,9 @@ impl Hub {
         &self.unrecorded
     }
 
-    /// The end: recordings are closed.
+    /// The end: what waits is taken, and recordings are closed.
     pub fn finish(&mut self) {
+        self.take_what_waits();
         self.record(false);
         self.told_ended(true);
     }

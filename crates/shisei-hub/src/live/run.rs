@@ -101,6 +101,9 @@ pub fn run(
         tell(&mut hub, door);
     }
     stop.store(true, Ordering::Relaxed);
+    for message in messages.try_iter().take(WAITING) {
+        hub.push(message);
+    }
     // inputs that wait for room see that nobody takes anything any more
     drop(messages);
     hub.finish();

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use shisei_core::fuse::Source;
 
 use super::hub::Hub;
-use super::input::{Arrival, Kind, State, What, unix_ns};
+use super::input::{Kind, State};
 use super::merge::Moved;
 use super::recorder::Record;
 use super::scene::{Key, Shown};
@@ -17,7 +17,7 @@ const STATUS: Duration = Duration::from_secs(1);
 const VANISHED: Duration = Duration::from_millis(300);
 /// Without a frame for so long, samples no longer wait for one.
 const NO_FRAMES: Duration = Duration::from_millis(100);
-/// An input without data for so long is waiting.
+/// An input that nothing readable has come from for so long is waiting; a client of NatNet says so itself.
 const SILENT: Duration = Duration::from_secs(2);
 
 impl Hub {
@@ -32,9 +32,9 @@ impl Hub {
         }
     }
 
-    /// A body has moved as its sensor says.
-    pub(super) fn moved(&mut self, node: usize, moved: &[Moved], arrival: &Arrival) {
-        self.smooth_on(node, arrival.unix_ns);
+    /// A body has moved as its sensor says, as of now, ns since 1970.
+    pub(super) fn moved(&mut self, node: usize, moved: &[Moved], at: Instant, unix_ns: u64) {
+        self.smooth_on(node, unix_ns);
         self.merged(node);
         let Some(body) = self.nodes.get(node).and_then(|node| node.body) else { return };
         let trust_s = self.settings.position_trust_s;
@@ -55,10 +55,10 @@ impl Hub {
                 sigma_rad: step.sigma_rad,
                 sigma_m: step.sigma_m,
                 time_s: step.time_s,
-                at: arrival.at,
+                at,
             };
             if let Some(recorder) = &self.recorder {
-                recorder.give(Record::Pose(object.path(), shown, arrival.unix_ns));
+                recorder.give(Record::Pose(object.topic(), shown, unix_ns));
             }
             if in_gap && object.shown.is_none_or(|last| last.time_s < step.time_s) {
                 object.shown = Some(shown);
@@ -111,21 +111,16 @@ impl Hub {
     }
 
     /// No frames come: samples do not wait for them.
-    fn release(&mut self, now: Instant) {
+    pub(super) fn release(&mut self, now: Instant) {
         self.optical.markers_m.clear();
-        let arrival = Arrival {
-            input: 0,
-            port: Arc::from(""),
-            at: now,
-            unix_ns: unix_ns(),
-            what: What::State(State::Waiting),
-        };
         for index in 0..self.nodes.len() {
+            let node = &mut self.nodes[index];
             let mut moved = Vec::new();
-            if let Some(merger) = &mut self.nodes[index].merger {
+            if let Some(merger) = &mut node.merger {
                 merger.release(&mut moved);
             }
-            self.moved(index, &moved, &arrival);
+            let unix_ns = self.ports.get(node.place.0).map_or(0, |port| port.heard_ns);
+            self.moved(index, &moved, now, unix_ns);
         }
     }
 
