@@ -33,6 +33,9 @@ const START_NS: u64 = 1_700_000_000_000_000_000;
 const RECEIVER: usize = 1;
 const BODIES: [&str; 2] = ["Tool 1", "Board"];
 
+/// What was recorded, by topics: seconds since the start, and the message.
+type Topics = BTreeMap<String, Vec<(f64, Value)>>;
+
 /// A laboratory with two nodes on two bodies, and the hub that sees it.
 struct Room {
     hub: Hub,
@@ -117,8 +120,8 @@ impl Room {
         self.hub.scene.get_mut(Key::Body(body)).map(|object| object.name.clone())
     }
 
-    /// Ends it; what was recorded, by topics: seconds since the start, and the message.
-    fn end(mut self) -> (BTreeMap<String, Vec<(f64, Value)>>, Vec<stage::Frame>) {
+    /// Ends it; what was recorded, and what was filmed.
+    fn end(mut self) -> (Topics, Vec<stage::Frame>) {
         // samples wait for the next pulse
         self.run(self.lab.time_s() + 0.1, |bytes| without_pulses(&bytes));
         let session = self.hub.ports[RECEIVER].session.as_ref().expect("a receiver");
@@ -130,7 +133,7 @@ impl Room {
         assert_eq!(waiting.map(|merger| merger.waiting()).sum::<usize>(), 0);
         let file = std::fs::read(&self.file).expect("the recording");
         std::fs::remove_file(&self.file).expect("removed");
-        let mut topics: BTreeMap<String, Vec<(f64, Value)>> = BTreeMap::new();
+        let mut topics = Topics::new();
         for message in mcap::MessageStream::new(&file).expect("a recording") {
             let message = message.expect("whole");
             let value = serde_json::from_slice(&message.data).unwrap_or(Value::Null);
