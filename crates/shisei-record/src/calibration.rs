@@ -59,6 +59,8 @@ pub enum CalibrationError {
     BadNumber(String),
     /// A matrix that leaves nothing of a direction: which.
     Singular(String),
+    /// `covariance` is not square, not as long as its order, not finite, or negative on the diagonal.
+    BadCovariance,
 }
 
 impl CalibrationError {
@@ -110,6 +112,16 @@ impl CalibrationError {
                 format!(
                     "{place} がないか、有限の数値ではありません。キャリブレーションをやり直すか、ファイルを修正してください"
                 )
+            }
+            (CalibrationError::BadCovariance, Lang::En) => {
+                "covariance must have an \"order\" of n names and \"values\" of n rows of n finite numbers, with none \
+                 below 0 on the diagonal; take covariance out, or calibrate again"
+                    .to_owned()
+            }
+            (CalibrationError::BadCovariance, Lang::Ja) => {
+                "covariance には、n 個の名前を並べた \"order\" と、n 行 n 列の有限の数値の \"values\" が必要です (対角は 0 以上)。\
+                 covariance を除くか、キャリブレーションをやり直してください"
+                    .to_owned()
             }
         }
     }
@@ -168,6 +180,11 @@ impl CalibrationFile {
             accelerometer: model(&document, "accelerometer", "bias_m_s2")?,
             gyroscope: model(&document, "gyroscope", "bias_rad_s")?,
         };
+        if let Some(covariance) = document.get("covariance").filter(|value| !value.is_null())
+            && !is_covariance(covariance)
+        {
+            return Err(CalibrationError::BadCovariance);
+        }
         Ok(CalibrationFile { calibration, document })
     }
 
@@ -234,6 +251,20 @@ fn model(
     Ok(SensorModel { bias, matrix })
 }
 
+fn is_covariance(value: &Value) -> bool {
+    let list = |key: &str| value.get(key).and_then(Value::as_array);
+    let (Some(order), Some(rows)) = (list("order"), list("values")) else { return false };
+    let finite = |x: &Value| x.as_f64().filter(|x| x.is_finite());
+    let is_row = |(k, row): (usize, &Value)| {
+        row.as_array().is_some_and(|row| {
+            row.len() == order.len()
+                && row.iter().all(|x| finite(x).is_some())
+                && row.get(k).and_then(finite).is_some_and(|variance| variance >= 0.0)
+        })
+    };
+    order.iter().all(Value::is_string) && rows.len() == order.len() && rows.iter().enumerate().all(is_row)
+}
+
 fn vector(value: &Value) -> Option<Vec3> {
     numbers(value)
 }
@@ -290,6 +321,31 @@ mod tests {
             let file = CalibrationFile::new(calibration, "six-face", 9.8, "2026-01-02T03:04:05Z");
             let again = CalibrationFile::from_json(file.to_json().as_bytes()).unwrap();
             assert_eq!(again.calibration.accelerometer.matrix[2][2].to_bits(), scale.to_bits(), "{scale:?}");
+        }
+    }
+
+    #[test]
+    fn a_covariance_is_whole_or_refused() {
+        let with = |covariance: Value| {
+            let mut file = example();
+            file.set("covariance", covariance);
+            CalibrationFile::from_json(file.to_json().as_bytes())
+        };
+        for good in [Value::Null, json!({ "order": ["a", "b"], "values": [[1, -0.5], [-0.5, 0]] })] {
+            assert!(with(good).is_ok());
+        }
+        for bad in [
+            json!(5),
+            json!({ "order": LEARNT_ORDER, "values": [[1]] }),
+            json!({ "order": ["a"], "values": [[-1]] }),
+            json!({ "order": ["a"], "values": [["1"]] }),
+            json!({ "order": [1], "values": [[1]] }),
+            json!({ "order": ["a", "b"], "values": [[1, 0], [0]] }),
+        ] {
+            let error = with(bad).unwrap_err();
+            assert_eq!(error, CalibrationError::BadCovariance);
+            assert!(error.sentence(Lang::En).contains("\"order\" of n names"));
+            assert!(error.sentence(Lang::Ja).contains("対角は 0 以上"));
         }
     }
 
