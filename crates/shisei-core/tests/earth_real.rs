@@ -114,6 +114,11 @@ fn what_determines_nothing_is_refused() {
     assert!(matches!(analyse(&[one], None), Err(Error::TooFewPoints { given: 1, needed: 3 })));
     assert!(matches!(analyse(&[], None), Err(Error::TooFewPoints { .. })));
     assert_eq!(analyse(&[one; 8], None).unwrap_err(), Error::Degenerate);
+    // errors below 0, or none
+    for sigma in [-1e-6, f64::NAN] {
+        let unsure = Direction { sigma_rad_s: Some([1e-6, sigma, 1e-6]), ..one };
+        assert!(matches!(analyse(&[unsure; 3], None), Err(Error::Negative { name: "sigma_rad_s", .. })));
+    }
     // identical but for noise
     let mut random = support::Random(2);
     let noisy: Vec<Direction> = (0..8)

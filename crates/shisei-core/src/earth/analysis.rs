@@ -7,6 +7,7 @@ use super::fits::{
     HeadingFit, Measured, RateFit, fit_circle, fit_headings, fit_levelled, fit_sphere, level_axes, ups,
 };
 use crate::error::{Error, Result};
+use crate::filter::not_negative;
 use crate::math;
 use crate::sphere::{self, CircleFit, SphereFit};
 use crate::statistics::chi_square_cdf;
@@ -146,8 +147,9 @@ fn plane_test(directions: &[Direction], circle: &CircleFit, article: Option<&Sph
 
 /// Judges a measurement of three directions or more. `latitude_rad` where it is known.
 ///
-/// Refuses with [`Error::TooFewPoints`], [`Error::NotFinite`], [`Error::OutOfRange`] (latitude beyond ±90°) and
-/// [`Error::Degenerate`] (directions all alike or in one line).
+/// Refuses with [`Error::TooFewPoints`], [`Error::NotFinite`], [`Error::Negative`] (a standard error that is not
+/// finite or below 0), [`Error::OutOfRange`] (latitude beyond ±π/2) and [`Error::Degenerate`] (directions all alike
+/// or in one line).
 pub fn analyse(directions: &[Direction], latitude_rad: Option<f64>) -> Result<Analysis> {
     if directions.len() < 3 {
         return Err(Error::TooFewPoints { given: directions.len(), needed: 3 });
@@ -155,7 +157,10 @@ pub fn analyse(directions: &[Direction], latitude_rad: Option<f64>) -> Result<An
     if let Some(latitude) = latitude_rad
         && latitude.abs().partial_cmp(&core::f64::consts::FRAC_PI_2) != Some(core::cmp::Ordering::Less)
     {
-        return Err(Error::OutOfRange { rule: "-90 < latitude < 90", value: latitude });
+        return Err(Error::OutOfRange { rule: "-pi/2 < latitude (rad) < pi/2", value: latitude });
+    }
+    for &value in directions.iter().filter_map(|d| d.sigma_rad_s.as_ref()).flatten() {
+        not_negative("sigma_rad_s", value)?;
     }
     let points: Vec<Vec3> = directions.iter().map(|d| d.gyro_rad_s).collect();
     if let Some(row) = points.iter().position(|p| !vector::is_finite(*p)) {
