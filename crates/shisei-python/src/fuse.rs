@@ -11,7 +11,7 @@ use shisei_core::sync::rates::{RatesSettings, Start};
 use shisei_core::{Error, Quaternion, Vec3};
 use shisei_functions::last_error::user_lang;
 use shisei_record::motive::{self, LossRule};
-use shisei_record::{Input, Note, Options, with_names};
+use shisei_record::{Input, Names, Note, Options, with_names};
 
 /// One body of a Motive take; lost frames are NaN.
 #[pyfunction]
@@ -81,15 +81,17 @@ pub fn read_recording(
     let result = PyDict::new(py);
     result.set_item("assumptions", sentences(&recording.assumptions))?;
     result.set_item("warnings", sentences(&recording.warnings))?;
+    result.set_item("rate_hz", recording.findings.rate_hz)?;
     result.set_item("time_s", PyArray1::from_vec(py, recording.time_s))?;
+    result.set_item("dt_s", PyArray1::from_vec(py, recording.dt_s))?;
     result.set_item("acc_m_s2", table::<3>(py, recording.acc_m_s2)?)?;
     result.set_item("gyro_rad_s", table::<3>(py, recording.gyro_rad_s)?)?;
     Ok(result)
 }
 
 /// With the package's names for the command line's options.
-fn in_python(sentence: &str) -> String {
-    with_names(sentence, "rate_hz", "skip_bad_rows")
+pub fn in_python(sentence: &str) -> String {
+    with_names(sentence, Names { rate: "rate_hz", skip_bad_rows: "skip_bad_rows", gravity: "gravity_m_s2" })
 }
 
 fn numbers(pose: Option<Pose>) -> (Vec3, [f64; 4]) {

@@ -55,14 +55,14 @@ pub mod write;
 pub use encoding::Encoding;
 pub use error::{Error, Place, Problem, Result};
 pub use open::{Inspection, inspect, open};
-pub use options::{AxisMap, ColumnRef, Columns, Options, Permutation, Scale, Units, with_names};
+pub use options::{AxisMap, ColumnRef, Columns, Names, Options, Permutation, Scale, Units, with_names};
 pub use recording::{Assumption, Channel, Extra, Findings, Gap, LONG_GAP_S, Note, Recording, Warning};
 pub use sheet::Delimiter;
 pub use shisei_core::Lang;
 #[doc(hidden)]
 pub use stream::open_in_pieces;
 pub use stream::{Stream, open_stream};
-pub use suspect::doubts;
+pub use suspect::{doubts, doubts_of_attitudes};
 
 /// One file.
 #[derive(Clone, Copy, Debug)]

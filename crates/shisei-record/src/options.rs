@@ -46,18 +46,29 @@ impl Options {
     }
 }
 
-/// A sentence that names the command line's options, as a door says it where they are called as fields of [`Options`]:
-/// two have more than one word, and are spelt as that language does.
-pub fn with_names(sentence: &str, rate_hz: &str, skip_bad_rows: &str) -> String {
+/// What a door calls the options whose names have more than one word there, as its language spells them.
+#[derive(Clone, Copy, Debug)]
+pub struct Names {
+    /// `--rate`.
+    pub rate: &'static str,
+    /// `--skip-bad-rows`.
+    pub skip_bad_rows: &'static str,
+    /// `--gravity`.
+    pub gravity: &'static str,
+}
+
+/// A sentence that names the command line's options, with a door's names for them.
+pub fn with_names(sentence: &str, names: Names) -> String {
     let mut parts = sentence.split("--");
     let mut out = parts.next().unwrap_or_default().to_owned();
     for part in parts {
         let end = part.find(|c: char| !(c.is_ascii_lowercase() || c == '-')).unwrap_or(part.len());
         let (option, rest) = part.split_at(end);
         match option {
-            "columns" | "units" | "axes" | "scale" | "sensor" => out.push_str(option),
-            "rate" => out.push_str(rate_hz),
-            "skip-bad-rows" => out.push_str(skip_bad_rows),
+            "columns" | "units" | "axes" | "scale" | "sensor" | "forward" => out.push_str(option),
+            "rate" => out.push_str(names.rate),
+            "skip-bad-rows" => out.push_str(names.skip_bad_rows),
+            "gravity" => out.push_str(names.gravity),
             _ => {
                 out.push_str("--");
                 out.push_str(option);
@@ -311,10 +322,13 @@ mod tests {
 
     #[test]
     fn sentences_with_the_names_of_another_door() {
-        let named = |sentence: &str| with_names(sentence, "rateHz", "skipBadRows");
+        let names = Names { rate: "rateHz", skip_bad_rows: "skipBadRows", gravity: "gravityMS2" };
+        let named = |sentence: &str| with_names(sentence, names);
         assert_eq!(named("row 3; --skip-bad-rows leaves it out"), "row 3; skipBadRows leaves it out");
         assert_eq!(named("--skip-bad-rows を付ける"), "skipBadRows を付ける");
         assert_eq!(named("--units time=ms, or --rate 100"), "units time=ms, or rateHz 100");
+        assert_eq!(named("--forward -z のように"), "forward -z のように");
+        assert_eq!(named("--gravity 98 is odd"), "gravityMS2 98 is odd");
         assert_eq!(named("a -- b, --dialect x, --"), "a -- b, --dialect x, --");
         assert_eq!(named(""), "");
     }

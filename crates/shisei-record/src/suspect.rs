@@ -1,10 +1,10 @@
 //! Readings that no sensor gives, in a recording that is otherwise in order: an axis that never moves, values far
-//! beyond any range; and, for readings that come without a file, units that cannot be right. Nothing is changed; it is
-//! said.
+//! beyond any range; for readings that come without a file, units that cannot be right; and attitudes that say little
+//! of a heading. Nothing is changed; it is said.
 
 use crate::judge::{self, Agreement, Level};
 use crate::recording::{Findings, Note, Recording};
-use shisei_core::{STANDARD_GRAVITY_M_S2 as G, Vec3};
+use shisei_core::{Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3, heading};
 
 /// Largest rate that is believed, rad/s: sensors read up to 4000 deg/s.
 const LARGEST_RAD_S: f64 = 100.0;
@@ -80,11 +80,11 @@ pub fn doubts(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt_s: &[f64]) -> Vec<Note>
             "rest-norm-odd",
             format!(
                 "|a| over the stillest stretches is {norm:.4} m/s² where about 9.8 is expected; check the unit and \
-                 that acc_m_s2 and gyro_rad_s are not exchanged"
+                 that accelerations and rates are not exchanged"
             ),
             format!(
-                "最も静かな区間の |a| が {norm:.4} m/s² で、約 9.8 になりません。単位と、acc_m_s2 と gyro_rad_s が\
-                 逆でないかを確認してください"
+                "最も静かな区間の |a| が {norm:.4} m/s² で、約 9.8 になりません。単位と、加速度と角速度が逆でないかを\
+                 確認してください"
             ),
         )),
     }
@@ -94,13 +94,38 @@ pub fn doubts(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt_s: &[f64]) -> Vec<Note>
         out.push(Note::new(
             "unit-gyro-doubtful",
             format!(
-                "gravity turns {factor:.3} times as fast as gyro_rad_s says; are the rates in deg/s, or is the \
-                 sampling rate another?"
+                "gravity turns {factor:.3} times as fast as the rates say; are they in deg/s, or is the sampling rate \
+                 another?"
             ),
             format!(
-                "重力方向は gyro_rad_s の {factor:.3} 倍の速さで回っています。deg/s の値ではないか、サンプリング\
-                 周波数が正しいかを確認してください"
+                "重力方向は角速度の {factor:.3} 倍の速さで回っています。deg/s の値ではないか、サンプリング周波数が正しいかを\
+                 確認してください"
             ),
+        ));
+    }
+    out
+}
+
+/// What to know before trusting attitudes: that `start` has no heading worth the name where no forward axis was said,
+/// and that the gravity said is not of this Earth. Names are the command line's options ([`crate::with_names`]).
+pub fn doubts_of_attitudes(start: Quaternion, forward_said: bool, gravity_m_s2: f64) -> Vec<Note> {
+    let mut out = Vec::new();
+    if !(9.7..9.9).contains(&gravity_m_s2) {
+        out.push(Note::new(
+            "gravity-odd",
+            format!("--gravity {gravity_m_s2} is not found on the Earth, where it is 9.76 to 9.84 m/s²"),
+            format!("--gravity {gravity_m_s2} は地球上の値 (9.76〜9.84 m/s²) ではありません"),
+        ));
+    }
+    if !forward_said && heading::is_near_gimbal_lock(start) {
+        out.push(Note::new(
+            "no-forward",
+            "the sensor's x axis is within 10° of the vertical at the start, so its heading is ill-defined and bending \
+             and leaning mix in pitch and roll; say which sensor axis points forward, e.g. --forward -z"
+                .to_owned(),
+            "開始時にセンサの x 軸が鉛直から 10° 以内にあるため、方位が定まらず、前後の傾きと左右の傾きがピッチとロールに\
+             混ざります。前方を向くセンサ軸を --forward -z のように指定してください"
+                .to_owned(),
         ));
     }
     out

@@ -2,8 +2,11 @@
 //! its kind has, with an axis that is dead or a value that no sensor gives. It opens, or the sentence says what it is.
 #![allow(clippy::disallowed_methods)] // numbers to look at; their bits do not matter
 
+use shisei_core::Quaternion;
 use shisei_record::calibration::CalibrationFile;
-use shisei_record::{Input, Lang, Options, Recording, Stream, doubts, open, open_stream};
+use shisei_record::{
+    Input, Lang, Options, Recording, Stream, doubts, doubts_of_attitudes, open, open_stream,
+};
 
 const HEADER: &str =
     "time (s),acc_x (m/s^2),acc_y (m/s^2),acc_z (m/s^2),gyr_x (rad/s),gyr_y (rad/s),gyr_z (rad/s)";
@@ -184,6 +187,24 @@ fn readings_in_memory_are_doubted() {
     assert_eq!(codes(&scaled(&acc, 1.0 / 9.80665), &gyro), ["acc-in-g"]);
     assert_eq!(codes(&acc, &scaled(&gyro, 57.29577951308232)), ["unit-gyro-doubtful"]);
     assert_eq!(codes(&scaled(&gyro, 0.1), &acc)[0], "rest-norm-odd");
+}
+
+#[test]
+fn attitudes_without_a_heading_and_another_planets_gravity_are_said() {
+    let codes = |start: [f64; 4], forward_said, gravity_m_s2| -> Vec<&'static str> {
+        let notes = doubts_of_attitudes(Quaternion::from_array(start), forward_said, gravity_m_s2);
+        for note in &notes {
+            assert!(note.sentence(Lang::En).contains("--") && note.sentence(Lang::Ja).contains("--"));
+        }
+        notes.iter().map(|note| note.code).collect()
+    };
+    let (level, upright) = ([1.0, 0.0, 0.0, 0.0], [0.5_f64.sqrt(), 0.0, -(0.5_f64.sqrt()), 0.0]);
+    assert!(codes(level, false, 9.798).is_empty());
+    assert_eq!(codes(upright, false, 9.798), ["no-forward"]);
+    assert!(codes(upright, true, 9.798).is_empty());
+    for gravity_m_s2 in [1.0, 98.0] {
+        assert_eq!(codes(level, false, gravity_m_s2), ["gravity-odd"]);
+    }
 }
 
 #[test]

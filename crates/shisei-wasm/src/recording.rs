@@ -4,7 +4,7 @@ use crate::arrays::Parts;
 use crate::errors::named;
 use js_sys::Array;
 use shisei_functions::last_error::user_lang;
-use shisei_record::{Error, Input, Note, Options, Recording, with_names};
+use shisei_record::{Error, Input, Names, Note, Options, Recording, with_names};
 use wasm_bindgen::prelude::*;
 
 /// What a user says of a file, each as the command line takes it.
@@ -30,8 +30,13 @@ fn refusal(error: Error) -> JsValue {
 }
 
 /// With the package's names for the command line's options.
-fn in_javascript(sentence: &str) -> String {
-    with_names(sentence, "rateHz", "skipBadRows")
+pub fn in_javascript(sentence: &str) -> String {
+    with_names(sentence, Names { rate: "rateHz", skip_bad_rows: "skipBadRows", gravity: "gravityMS2" })
+}
+
+/// A sentence each, for the package.
+pub fn sentences(notes: &[Note]) -> Array {
+    notes.iter().map(|note| JsValue::from(in_javascript(note.sentence(user_lang())))).collect()
 }
 
 /// A recording of one file, or of two that belong together.
@@ -49,13 +54,6 @@ pub fn read_recording(
 }
 
 fn told(recording: &Recording) -> JsValue {
-    let sentences = |notes: &[Note]| -> JsValue {
-        notes
-            .iter()
-            .map(|note| JsValue::from(in_javascript(note.sentence(user_lang()))))
-            .collect::<Array>()
-            .into()
-    };
     let found = &recording.findings;
     let mut parts = Parts::new()
         .put("dialect", recording.dialect)

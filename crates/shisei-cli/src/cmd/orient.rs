@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use serde_json::{Value, json};
 use shisei_core::filter::AdaptiveGain;
 use shisei_core::orient::{self, Later, Method, Orientation, RestChoice};
-use shisei_core::{Error, Lang, heading, rest};
+use shisei_core::{Error, Lang, rest};
 use shisei_record::calibration::CalibrationFile;
 use shisei_record::{Options, Recording};
 use shisei_wide::Vectors;
@@ -257,21 +257,9 @@ fn compute<'a>(plan: &Plan, source: &Source, recording: &'a Recording) -> Outcom
 fn warnings(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Vec<String> {
     let lang = plan.lang;
     let mut all: Vec<String> = recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
-    let gravity = plan.args.gravity;
-    if !(9.7..9.9).contains(&gravity) {
-        all.push(say(
-            lang,
-            format!("--gravity {gravity} is not found on the Earth, where it is 9.76 to 9.84 m/s²"),
-            format!("--gravity {gravity} は地球上の値 (9.76〜9.84 m/s²) ではありません"),
-        ));
-    }
-    if plan.settings.forward_axis_body.is_none() && heading::is_near_gimbal_lock(orientation.start) {
-        all.push(say(
-            lang,
-            "the sensor's x axis is within 10° of the vertical at the start, so its heading is ill-defined and bending and leaning mix in pitch and roll; say which sensor axis points forward, e.g. --forward -z",
-            "開始時にセンサの x 軸が鉛直から 10° 以内にあるため、方位が定まらず、前後の傾きと左右の傾きがピッチとロールに混ざります。前方を向くセンサ軸を --forward -z のように指定してください",
-        ));
-    }
+    let forward_said = plan.settings.forward_axis_body.is_some();
+    let doubts = shisei_record::doubts_of_attitudes(orientation.start, forward_said, plan.args.gravity);
+    all.extend(doubts.iter().map(|note| note.sentence(lang).to_owned()));
     if let Some(range) = &orientation.rest {
         let variance = rest::variance(&recording.gyro_rad_s[range.clone()]).unwrap_or([0.0; 3]);
         // A rest that was given, not found: 0.1 rad/s is far above any sensor's noise and a person's sway.
