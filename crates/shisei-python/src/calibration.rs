@@ -14,13 +14,17 @@ use shisei_core::calibration::{FaceTable, SensorModel, SixFaceSettings, search_f
 use shisei_functions::last_error::user_lang;
 use shisei_record::calibration::CalibrationFile;
 
+/// A calibration from the text of its file; `name` for the sentence that refuses it.
+pub fn read(name: &str, text: &[u8]) -> PyResult<CalibrationFile> {
+    let lang = user_lang();
+    CalibrationFile::from_json(text)
+        .map_err(|error| DomainError::new_err(format!("{name}: {}", error.sentence(lang))))
+}
+
 /// Refuses the text of a file that is no calibration.
 #[pyfunction]
 pub fn check_calibration(name: &str, text: &[u8]) -> PyResult<()> {
-    let lang = user_lang();
-    CalibrationFile::from_json(text)
-        .map(drop)
-        .map_err(|error| DomainError::new_err(format!("{name}: {}", error.sentence(lang))))
+    read(name, text).map(drop)
 }
 
 /// Finds the faces, then solves; `faces` is there also when the solution is not (`error` says why then).

@@ -1,57 +1,38 @@
 //! The estimator: whole recordings and sample by sample.
 
 use crate::arrays::{Step, rows, table};
+use crate::calibration;
 use crate::errors::exception;
-use crate::threads::SideBySide;
+use crate::threads::{SideBySide, turn, turn_without_gil};
 use numpy::{PyArray1, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use shisei_core::calibration::{Calibration, SensorModel};
+use shisei_core::calibration::Calibration;
 use shisei_core::estimator::{self as core, CALIBRATION_STATES, Sample, State};
 use shisei_core::filter::Dt;
 use shisei_core::orient::{self as whole, Method, Relative, RestChoice};
-use shisei_core::{Error, Vec3};
+use shisei_core::{Error, Lang, Vec3};
+use shisei_functions::last_error::user_lang;
+use std::sync::Mutex;
 
 type Matrix = [Vec3; 3];
 
-/// Gyroscope bias and matrix, accelerometer bias and matrix, and the covariance of what is left where known.
-type Known = (Vec3, Matrix, Vec3, Matrix, Option<Vec<[f64; CALIBRATION_STATES]>>);
-
-/// What the estimator starts from, and what corrects the readings before it: one of the two.
-fn known(given: Option<Known>) -> PyResult<(Option<core::Calibration>, Option<Calibration>)> {
-    match given {
-        None => Ok((None, None)),
-        Some((gyro_bias, gyro_matrix, acc_bias, acc_matrix, None)) => {
-            let calibration = Calibration {
-                accelerometer: SensorModel { bias: acc_bias, matrix: acc_matrix },
-                gyroscope: SensorModel { bias: gyro_bias, matrix: gyro_matrix },
-            };
-            let checked = calibration.accelerometer.check().and_then(|()| calibration.gyroscope.check());
-            checked.map_err(|error| exception("calibration", error))?;
-            Ok((None, Some(calibration)))
-        }
-        Some((gyro_bias, gyro_matrix, acc_bias, acc_matrix, Some(covariance))) => {
-            let covariance = covariance.try_into().map_err(|_| {
-                PyValueError::new_err(format!("{CALIBRATION_STATES} rows of covariance needed"))
-            })?;
-            let calibration = core::Calibration {
-                gyro_bias_rad_s: gyro_bias,
-                gyro_matrix,
-                acc_bias_m_s2: acc_bias,
-                acc_matrix,
-                covariance,
-            };
-            calibration.check().map_err(|error| exception("calibration", error))?;
-            Ok((Some(calibration), None))
-        }
-    }
+/// What the estimator starts from, and what corrects the readings before it: one of the two. `text` is that of a
+/// calibration file.
+fn known(text: Option<&str>) -> PyResult<(Option<core::Calibration>, Option<Calibration>)> {
+    let Some(text) = text else { return Ok((None, None)) };
+    let file = calibration::read("calibration", text.as_bytes())?;
+    let Some(learnt) = file.learnt() else { return Ok((None, Some(file.calibration))) };
+    learnt.check().map_err(|error| exception("calibration", error))?;
+    Ok((Some(learnt), None))
 }
 
-/// As [`Known`].
-fn learnt(of: &core::Calibration) -> Known {
-    let covariance = Some(of.covariance.to_vec());
-    (of.gyro_bias_rad_s, of.gyro_matrix, of.acc_bias_m_s2, of.acc_matrix, covariance)
+/// Gyroscope bias and matrix, accelerometer bias and matrix, and the covariance of what is left.
+type Learnt = (Vec3, Matrix, Vec3, Matrix, Vec<[f64; CALIBRATION_STATES]>);
+
+fn learnt(of: &core::Calibration) -> Learnt {
+    (of.gyro_bias_rad_s, of.gyro_matrix, of.acc_bias_m_s2, of.acc_matrix, of.covariance.to_vec())
 }
 
 /// A whole recording. `rest_rows` are (start, end); without them the rest is found where `auto_rest` says so.
@@ -67,7 +48,7 @@ pub fn estimate<'py>(
     rest_rows: Option<(usize, usize)>,
     forward_axis_body: Option<Vec3>,
     gravity_m_s2: f64,
-    calibration: Option<Known>,
+    calibration: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
     let (sensor, correct) = known(calibration)?;
@@ -120,31 +101,32 @@ fn state_tuple(s: &State) -> StateTuple {
     (q, s.rate_rad_s, s.gyro_bias_rad_s, s.sigma_tilt_rad, s.sigma_heading_rad, s.covariance_rad2, s.rest)
 }
 
-/// The estimator, one sample or one stretch of samples at a time.
-#[pyclass(module = "shisei._native", name = "EstimatorFilter")]
+/// The estimator, one sample or one stretch of samples at a time; threads take turns.
+#[pyclass(module = "shisei._native", name = "EstimatorFilter", frozen)]
 #[derive(Debug)]
 pub struct EstimatorFilter {
-    estimator: Box<core::Estimator>,
+    estimator: Mutex<Box<core::Estimator>>,
     correct: Option<Calibration>,
 }
 
 #[pymethods]
 impl EstimatorFilter {
     #[new]
-    fn new(gravity_m_s2: f64, calibration: Option<Known>) -> PyResult<Self> {
+    fn new(gravity_m_s2: f64, calibration: Option<&str>) -> PyResult<Self> {
         let (calibration, correct) = known(calibration)?;
         let settings = core::Settings { gravity_m_s2, calibration, ..core::Settings::default() };
         let estimator = core::Estimator::new(&settings).map_err(|error| exception("Estimator", error))?;
-        Ok(EstimatorFilter { estimator: Box::new(estimator), correct })
+        Ok(EstimatorFilter { estimator: Mutex::new(Box::new(estimator)), correct })
     }
 
-    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> StateTuple {
-        state_tuple(&self.take(gyro_rad_s, acc_m_s2, dt_s))
+    fn update(&self, py: Python<'_>, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> StateTuple {
+        let sample = corrected(self.correct.as_ref(), gyro_rad_s, acc_m_s2, dt_s);
+        state_tuple(&turn(&self.estimator, py).update(&sample))
     }
 
     #[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
     fn update_all<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         gyro_rad_s: PyReadonlyArray2<'py, f64>,
         acc_m_s2: PyReadonlyArray2<'py, f64>,
@@ -153,20 +135,24 @@ impl EstimatorFilter {
         let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
         let dt = equal_lengths(gyro, acc, &dt_s)?;
         let states: Vec<State> = py.detach(|| {
+            let mut estimator = turn_without_gil(&self.estimator);
             let samples = gyro.iter().zip(acc).enumerate();
-            samples.map(|(k, (&gyro, &acc))| self.take(gyro, acc, dt.at(k))).collect()
+            let correct = self.correct.as_ref();
+            samples
+                .map(|(k, (&gyro, &acc))| estimator.update(&corrected(correct, gyro, acc, dt.at(k))))
+                .collect()
         });
         columns(py, &states)
     }
 
     #[getter]
-    fn state(&self) -> StateTuple {
-        state_tuple(&self.estimator.state())
+    fn state(&self, py: Python<'_>) -> StateTuple {
+        state_tuple(&turn(&self.estimator, py).state())
     }
 
     #[getter]
-    fn learnt(&self) -> Known {
-        learnt(&self.estimator.calibration())
+    fn learnt(&self, py: Python<'_>) -> Learnt {
+        learnt(&turn(&self.estimator, py).calibration())
     }
 }
 
@@ -211,41 +197,41 @@ fn corrected(correct: Option<&Calibration>, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt
     }
 }
 
-impl EstimatorFilter {
-    fn take(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> State {
-        self.estimator.update(&corrected(self.correct.as_ref(), gyro_rad_s, acc_m_s2, dt_s))
-    }
-}
-
-/// The estimator with a delay; spent after `finish`.
-#[pyclass(module = "shisei._native", name = "FixedLagFilter")]
+/// The estimator with a delay; spent after `finish`. Threads take turns.
+#[pyclass(module = "shisei._native", name = "FixedLagFilter", frozen)]
 #[derive(Debug)]
 pub struct FixedLagFilter {
-    estimator: Option<Box<core::FixedLag>>,
+    estimator: Mutex<Option<Box<core::FixedLag>>>,
     correct: Option<Calibration>,
 }
 
 #[pymethods]
 impl FixedLagFilter {
     #[new]
-    fn new(lag_s: f64, gravity_m_s2: f64, calibration: Option<Known>) -> PyResult<Self> {
+    fn new(lag_s: f64, gravity_m_s2: f64, calibration: Option<&str>) -> PyResult<Self> {
         let (calibration, correct) = known(calibration)?;
         let settings = core::Settings { gravity_m_s2, calibration, ..core::Settings::default() };
         let estimator =
             core::FixedLag::new(&settings, lag_s).map_err(|error| exception("FixedLag", error))?;
-        Ok(FixedLagFilter { estimator: Some(Box::new(estimator)), correct })
+        Ok(FixedLagFilter { estimator: Mutex::new(Some(Box::new(estimator))), correct })
     }
 
-    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> PyResult<Vec<StateTuple>> {
+    fn update(
+        &self,
+        py: Python<'_>,
+        gyro_rad_s: Vec3,
+        acc_m_s2: Vec3,
+        dt_s: f64,
+    ) -> PyResult<Vec<StateTuple>> {
         let sample = corrected(self.correct.as_ref(), gyro_rad_s, acc_m_s2, dt_s);
         let mut out = Vec::new();
-        self.running()?.update(&sample, &mut out);
+        turn(&self.estimator, py).as_mut().ok_or_else(spent)?.update(&sample, &mut out);
         Ok(out.iter().map(state_tuple).collect())
     }
 
     #[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
     fn update_all<'py>(
-        &mut self,
+        &self,
         py: Python<'py>,
         gyro_rad_s: PyReadonlyArray2<'py, f64>,
         acc_m_s2: PyReadonlyArray2<'py, f64>,
@@ -253,31 +239,30 @@ impl FixedLagFilter {
     ) -> PyResult<Bound<'py, PyDict>> {
         let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
         let dt = equal_lengths(gyro, acc, &dt_s)?;
-        let correct = self.correct;
-        let estimator = self.running()?;
+        let correct = self.correct.as_ref();
         let states = py.detach(|| {
+            let mut running = turn_without_gil(&self.estimator);
+            let estimator = running.as_mut()?;
             let mut out = Vec::with_capacity(gyro.len());
             for (k, (&gyro, &acc)) in gyro.iter().zip(acc).enumerate() {
-                estimator.update(&corrected(correct.as_ref(), gyro, acc, dt.at(k)), &mut out);
+                estimator.update(&corrected(correct, gyro, acc, dt.at(k)), &mut out);
             }
-            out
+            Some(out)
         });
-        columns(py, &states)
+        columns(py, &states.ok_or_else(spent)?)
     }
 
-    fn finish<'py>(&mut self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
-        self.running()?;
+    fn finish<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
+        let estimator = turn(&self.estimator, py).take().ok_or_else(spent)?;
         let mut out = Vec::new();
-        if let Some(estimator) = self.estimator.take() {
-            estimator.finish(&mut out);
-        }
+        estimator.finish(&mut out);
         columns(py, &out)
     }
 }
 
-impl FixedLagFilter {
-    fn running(&mut self) -> PyResult<&mut core::FixedLag> {
-        let spent = || PyValueError::new_err("FixedLag: finish() was called; make a new one");
-        self.estimator.as_deref_mut().ok_or_else(spent)
-    }
+fn spent() -> PyErr {
+    PyValueError::new_err(match user_lang() {
+        Lang::En => "FixedLag: finish() was called; make a new one",
+        Lang::Ja => "FixedLag: finish() が呼ばれた後は使えません。新しく作ってください",
+    })
 }

@@ -2,7 +2,8 @@
 
 use crate::arrays::{Step, rows, table};
 use crate::errors::exception;
-use crate::threads::SideBySide;
+use crate::fuse::in_python;
+use crate::threads::{SideBySide, turn};
 use numpy::{PyArray1, PyArray2, PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -16,6 +17,7 @@ use shisei_core::orient::{self as whole, Method, Relative, RestChoice, Settings}
 use shisei_core::{Quaternion, Result, Vec3};
 use shisei_functions::last_error::user_lang;
 use shisei_wide::Vectors;
+use std::sync::Mutex;
 
 type Quat = [f64; 4];
 
@@ -74,7 +76,12 @@ pub fn run_filter<'py>(
         }
         other => return Err(PyValueError::new_err(format!("there is no filter {other:?}"))),
     };
-    table(py, out.map_err(|error| exception(kind, error))?)
+    let function = match kind {
+        "gyro" | "gyro-rk4" => "integrate_gyro",
+        "mahony-adaptive" => "mahony_adaptive",
+        named_alike => named_alike,
+    };
+    table(py, out.map_err(|error| exception(function, error))?)
 }
 
 /// A recording as the package gives it: start, kp, ki, rates, accelerations, step.
@@ -105,31 +112,31 @@ pub fn run_mahony_many<'py>(
     outs.into_iter().map(|out| table(py, out)).collect()
 }
 
-/// Mahony's filter, one sample at a time.
-#[pyclass(module = "shisei._native", name = "MahonyFilter")]
+/// Mahony's filter, one sample at a time; threads take turns.
+#[pyclass(module = "shisei._native", name = "MahonyFilter", frozen)]
 #[derive(Debug)]
-pub struct MahonyFilter(Mahony);
+pub struct MahonyFilter(Mutex<Mahony>);
 
 #[pymethods]
 impl MahonyFilter {
     #[new]
     fn new(start: Quat, kp: f64, ki: f64) -> PyResult<Self> {
         let filter = Mahony::new(Quaternion::from_array(start), kp, ki);
-        filter.map(MahonyFilter).map_err(|error| exception("MahonyFilter", error))
+        filter.map(|filter| MahonyFilter(Mutex::new(filter))).map_err(|error| exception("Mahony", error))
     }
 
-    fn update(&mut self, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quat {
-        self.0.update(gyro_rad_s, acc_m_s2, dt_s).to_array()
-    }
-
-    #[getter]
-    fn world_from_body(&self) -> Quat {
-        self.0.orientation().to_array()
+    fn update(&self, py: Python<'_>, gyro_rad_s: Vec3, acc_m_s2: Vec3, dt_s: f64) -> Quat {
+        turn(&self.0, py).update(gyro_rad_s, acc_m_s2, dt_s).to_array()
     }
 
     #[getter]
-    fn integral_rad_s(&self) -> Vec3 {
-        self.0.integral_rad_s()
+    fn world_from_body(&self, py: Python<'_>) -> Quat {
+        turn(&self.0, py).orientation().to_array()
+    }
+
+    #[getter]
+    fn integral_rad_s(&self, py: Python<'_>) -> Vec3 {
+        turn(&self.0, py).integral_rad_s()
     }
 }
 
@@ -148,6 +155,13 @@ pub fn doubts<'py>(
     let lang = user_lang();
     let notes = py.detach(|| shisei_record::doubts(acc, gyro, dt));
     Ok(notes.iter().map(|note| note.sentence(lang).to_owned()).collect())
+}
+
+/// What is odd about attitudes that start so, a sentence each.
+#[pyfunction]
+pub fn doubts_of_attitudes(start: Quat, forward_said: bool, gravity_m_s2: f64) -> Vec<String> {
+    let notes = shisei_record::doubts_of_attitudes(Quaternion::from_array(start), forward_said, gravity_m_s2);
+    notes.iter().map(|note| in_python(note.sentence(user_lang()))).collect()
 }
 
 /// A whole recording: rest, bias, start, filter. `rest` is None, "auto" or (start, end) in rows.

@@ -27,6 +27,12 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(filters::run_filter, module)?)?;
     module.add_function(wrap_pyfunction!(filters::run_mahony_many, module)?)?;
     module.add_function(wrap_pyfunction!(filters::orient, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::normalize, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::to_ypr, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::from_ypr, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::relative, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::from_axis_angle, module)?)?;
+    module.add_function(wrap_pyfunction!(rotations::initial_attitude, module)?)?;
     module.add_function(wrap_pyfunction!(rotations::slerp, module)?)?;
     module.add_function(wrap_pyfunction!(rotations::multiply, module)?)?;
     module.add_function(wrap_pyfunction!(rotations::rotate, module)?)?;
@@ -39,6 +45,7 @@ fn _native(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(calibration::apply, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::check_calibration, module)?)?;
     module.add_function(wrap_pyfunction!(filters::doubts, module)?)?;
+    module.add_function(wrap_pyfunction!(filters::doubts_of_attitudes, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::multi_pose, module)?)?;
     module.add_function(wrap_pyfunction!(calibration::known_turns, module)?)?;
     module.add_function(wrap_pyfunction!(measure::mean_rate, module)?)?;

@@ -157,7 +157,7 @@ pub fn navigate<'py>(
     acc_m_s2: PyReadonlyArray2<'py, f64>,
     dt_s: Step<'py>,
     gravity_m_s2: f64,
-    max_without_rest_s: Option<f64>,
+    max_without_rest_s: f64,
     end: Option<(Vec3, f64)>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
@@ -174,24 +174,17 @@ pub fn navigate<'py>(
     if let Some(row) = acc.iter().zip(gyro).position(|(a, g)| a.iter().chain(g).any(|x| !x.is_finite())) {
         return Err(refuse(Error::NotFinite { row }));
     }
-    for (name, value) in [("gravity", Some(gravity_m_s2)), ("end sigma", end.map(|e| e.1))] {
-        if let Some(value) = value.filter(|v| !(*v > 0.0 && v.is_finite())) {
-            return Err(refuse(Error::NotPositive { name, value }));
-        }
-    }
-    if end.is_some_and(|(at, _)| at.iter().any(|x| !x.is_finite())) {
-        return Err(refuse(Error::NotFinite { row: 0 }));
+    if !(gravity_m_s2 > 0.0 && gravity_m_s2.is_finite()) {
+        return Err(refuse(Error::NotPositive { name: "gravity", value: gravity_m_s2 }));
     }
     let track = py.detach(|| {
         if on_foot {
             let usual = FootSettings::default();
             let navigation = NavigationSettings { gravity_m_s2, end, ..usual.navigation };
-            let max_without_rest_s = max_without_rest_s.unwrap_or(usual.max_without_rest_s);
             foot::foot(acc, gyro, dt, &FootSettings { navigation, max_without_rest_s, ..usual })
         } else {
             let usual = RestToRestSettings::default();
             let navigation = NavigationSettings { gravity_m_s2, end, ..usual.navigation };
-            let max_without_rest_s = max_without_rest_s.unwrap_or(usual.max_without_rest_s);
             let settings = RestToRestSettings { navigation, max_without_rest_s, ..usual };
             rest_to_rest::rest_to_rest(acc, gyro, dt, &settings)
         }

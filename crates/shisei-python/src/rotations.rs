@@ -2,9 +2,10 @@
 
 use crate::arrays::{rows, table};
 use crate::errors::exception;
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyReadonlyArray2};
 use pyo3::prelude::*;
-use shisei_core::{Error, Quaternion, Result, Vec3};
+use shisei_core::{Error, Quaternion, Result, Vec3, initial, relative as relative_to};
+use shisei_wide::Vectors;
 
 type Quat = [f64; 4];
 
@@ -23,6 +24,89 @@ fn each<const M: usize, const N: usize>(
 
 fn same_length(name: &str, first: usize, second: usize) -> PyResult<()> {
     if first == second { Ok(()) } else { Err(exception(name, Error::LengthMismatch { first, second })) }
+}
+
+/// A series that the core makes of a series.
+fn whole<'py, const N: usize>(
+    py: Python<'py>,
+    name: &str,
+    rows: usize,
+    fill: impl FnOnce(&mut [[f64; N]]) -> Result<()> + Send,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let mut out = vec![[0.0; N]; rows];
+    py.detach(|| fill(&mut out)).map_err(|error| exception(name, error))?;
+    table(py, out)
+}
+
+/// Unit quaternions.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn normalize<'py>(py: Python<'py>, q: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let q = rows::<4>(&q, "q")?;
+    whole::<4>(py, "normalize", q.len(), |out| Vectors::widest().convert_series(q, out))
+}
+
+/// Yaw, pitch, roll.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn to_ypr<'py>(py: Python<'py>, q: PyReadonlyArray2<'py, f64>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let q = rows::<4>(&q, "q")?;
+    whole::<3>(py, "to_ypr", q.len(), |out| Vectors::widest().convert_series(q, out))
+}
+
+/// Quaternions of yaw, pitch, roll.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn from_ypr<'py>(
+    py: Python<'py>,
+    ypr_rad: PyReadonlyArray2<'py, f64>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let ypr_rad = rows::<3>(&ypr_rad, "ypr_rad")?;
+    whole::<4>(py, "from_ypr", ypr_rad.len(), |out| relative_to::from_ypr_series(ypr_rad, out))
+}
+
+/// The turns since `start`, which has a direction: in the sensor's axes then, or in world axes.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn relative<'py>(
+    py: Python<'py>,
+    q: PyReadonlyArray2<'py, f64>,
+    start: Quat,
+    in_body: bool,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (q, start) = (rows::<4>(&q, "q")?, Quaternion::from_array(start));
+    whole::<4>(py, "relative", q.len(), |out| {
+        if in_body {
+            Vectors::widest().body_series(q, start, out)
+        } else {
+            Vectors::widest().world_series(q, start, out)
+        }
+    })
+}
+
+/// The quaternion of a turn about an axis.
+#[pyfunction]
+pub fn from_axis_angle(py: Python<'_>, axis: Vec3, angle_rad: f64) -> PyResult<Bound<'_, PyArray1<f64>>> {
+    let found = Quaternion::from_axis_angle(axis, angle_rad);
+    let q = found.map_err(|error| exception("from_axis_angle", error))?;
+    Ok(PyArray1::from_slice(py, &q.to_array()))
+}
+
+/// The attitude at rest, with yaw 0; refused where the variance of an axis is larger, or the mean norm is beyond
+/// the limits.
+#[pyfunction]
+#[allow(clippy::needless_pass_by_value)] // what PyO3 extracts
+pub fn initial_attitude<'py>(
+    py: Python<'py>,
+    acc_m_s2: PyReadonlyArray2<'py, f64>,
+    max_variance: f64,
+    norm_limits: (f64, f64),
+) -> PyResult<Bound<'py, PyArray1<f64>>> {
+    let acc = rows::<3>(&acc_m_s2, "acc_m_s2")?;
+    let (low, high) = norm_limits;
+    let found = py.detach(|| initial::from_stable_window(acc, max_variance, low, high));
+    let q = found.map_err(|error| exception("initial_attitude", error))?;
+    Ok(PyArray1::from_slice(py, &q.to_array()))
 }
 
 /// Hamilton products row by row; both have as many rows.
@@ -101,8 +185,5 @@ pub fn slerp(py: Python<'_>, a: Quat, b: Quat, t: Vec<f64>) -> PyResult<Bound<'_
     let unit =
         |q: Quat| Quaternion::from_array(q).try_normalized().map_err(|error| exception("slerp", error));
     let (a, b) = (unit(a)?, unit(b)?);
-    if let Some(row) = t.iter().position(|t| !t.is_finite()) {
-        return Err(exception("slerp", Error::NotFinite { row }));
-    }
     table(py, t.into_iter().map(|t| Quaternion::slerp(a, b, t).to_array()).collect::<Vec<Quat>>())
 }

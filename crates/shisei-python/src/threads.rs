@@ -1,6 +1,20 @@
-//! Two pieces of work side by side.
+//! Two pieces of work side by side, and one thing for several threads.
 
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use pyo3::prelude::*;
+use pyo3::sync::MutexExt;
 use shisei_core::estimator::Pair;
+
+/// This thread's turn; while it waits, others may hold the GIL.
+pub fn turn<'a, T>(of: &'a Mutex<T>, py: Python<'_>) -> MutexGuard<'a, T> {
+    of.lock_py_attached(py).unwrap_or_else(PoisonError::into_inner)
+}
+
+/// The same where the GIL is not held.
+pub fn turn_without_gil<T>(of: &Mutex<T>) -> MutexGuard<'_, T> {
+    of.lock().unwrap_or_else(PoisonError::into_inner)
+}
 
 /// The one on a thread of its own, the other on the caller's.
 #[derive(Clone, Copy, Debug)]

@@ -189,6 +189,38 @@ def test_a_calibration_corrects_and_what_is_learnt_goes_round(tmp_path):
         shisei.Estimator(calibration=shisei.Calibration((np.nan, 0, 0)))
 
 
+def test_results_are_compared_as_themselves():
+    acc, gyro, _ = turning(seconds=3)
+    one, other = (shisei.estimate(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100) for _ in range(2))
+    assert one == one and one != other and len({one, other}) == 2
+
+
+def test_threads_take_turns_at_one_estimator():
+    acc, gyro, _ = turning(seconds=30)
+    live, late, mahony = shisei.Estimator(), shisei.FixedLag(0.5), shisei.Mahony()
+    given, failed = [], []
+
+    def work(k):
+        try:
+            live.update_all(acc_m_s2=acc, gyro_rad_s=gyro, dt_s=0.01)
+            given.append(len(late.update_all(acc_m_s2=acc, gyro_rad_s=gyro, dt_s=0.01).rest))
+            for a, g in zip(acc[:300], gyro[:300]):
+                live.update(acc_m_s2=a, gyro_rad_s=g, dt_s=0.01)
+                given.append(len(late.update(acc_m_s2=a, gyro_rad_s=g, dt_s=0.01)))
+                mahony.update(g, a, 0.01)
+                assert np.isfinite(live.state.q_wxyz).all() and np.isfinite(mahony.world_from_body).all()
+        except BaseException as error:
+            failed.append(error)
+
+    threads = [threading.Thread(target=work, args=(k,)) for k in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert not failed, failed
+    assert sum(given) + len(late.finish().rest) == 4 * (len(acc) + 300)
+
+
 def test_the_gil_is_released():
     acc, gyro, _ = turning(seconds=300)
     ticks, done = [], threading.Event()

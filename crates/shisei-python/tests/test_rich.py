@@ -6,6 +6,7 @@ import pathlib
 import subprocess
 import threading
 import time
+import warnings
 
 import numpy as np
 import pytest
@@ -98,7 +99,7 @@ def test_orient_finds_the_rest_and_the_truth():
     with open(ROOT / "examples/pelvis.truth.csv", encoding="utf-8") as f:
         truth = np.array([[float(r[k]) for k in ("yaw_rad", "pitch_rad", "roll_rad")] for r in csv.DictReader(f)])
     for kind in ("mahony", "shisei-online", "shisei"):
-        found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward_axis=[0, 0, 1], filter=kind)
+        found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward=[0, 0, 1], filter=kind)
         assert found.rest is not None and found.world_from_body.shape == (len(acc), 4)
         error = np.abs(found.ypr_rad() - truth).max(axis=0)
         assert np.degrees(error).max() < 2.5, (kind, np.degrees(error))
@@ -111,7 +112,7 @@ def test_orient_finds_the_rest_and_the_truth():
 
 def test_orient_is_the_estimator_unless_told_otherwise():
     acc, gyro = (readings[:3000] for readings in recording("pelvis.csv"))
-    found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward_axis=[0, 0, 1])
+    found = shisei.orient(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward=[0, 0, 1])
     same = shisei.estimate(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward="+z")
     np.testing.assert_array_equal(found.world_from_body, same.q_wxyz)
     np.testing.assert_array_equal(found.sigma_heading_rad, same.sigma_heading_rad)
@@ -144,6 +145,45 @@ def test_six_face_and_its_file(tmp_path):
     with pytest.raises(shisei.ConditionError, match="up was found") as caught:
         shisei.six_face(acc_m_s2=acc[:3000], gyro_rad_s=gyro[:3000], rate_hz=100)
     assert any(not f.found for f in caught.value.faces)
+    assert shisei.ConditionError("another").faces == ()
+
+
+def test_a_failed_save_leaves_the_file_that_was_there(tmp_path):
+    path, link = tmp_path / "cal.json", tmp_path / "link.json"
+    shisei.Calibration(acc_bias_m_s2=(0.1, 0.2, 0.3)).save(path)
+    link.symlink_to(path)
+    before = path.read_bytes()
+    for bad, error in (({"other": {"temps": np.arange(3)}}, TypeError), ({"other": {"t": np.nan}}, shisei.DomainError),
+                       ({"acc_bias_m_s2": (np.nan, 0, 0)}, shisei.DomainError),
+                       ({"gyro_matrix": np.zeros((3, 3))}, shisei.DomainError),
+                       ({"other": {"covariance": 5}}, shisei.DomainError)):
+        with pytest.raises(error):
+            shisei.Calibration(**bad).save(path)
+        assert path.read_bytes() == before and sorted(tmp_path.iterdir()) == [path, link]
+    shisei.Calibration(acc_bias_m_s2=np.ones(3), acc_matrix=np.eye(3)).save(link)
+    assert link.is_symlink() and shisei.Calibration.load(path).acc_bias_m_s2 == (1, 1, 1)
+    with pytest.raises(FileNotFoundError, match="absent/cal.json'"):
+        shisei.Calibration().save(tmp_path / "absent/cal.json")
+    document = json.loads(path.read_text(encoding="utf-8"))
+    for covariance in (5, {"order": shisei.estimator.LEARNT_ORDER, "values": [[1]]}):
+        path.write_text(json.dumps({**document, "covariance": covariance}), encoding="utf-8")
+        with pytest.raises(shisei.DomainError, match="covariance must have"):
+            shisei.Calibration.load(path)
+
+
+def test_stamps_serve_where_the_step_is_one():
+    acc, gyro = recording("six-face.csv")
+    time_s = np.arange(len(acc)) / 100
+    for given in ({"time_s": time_s}, {"dt_s": np.full(len(acc), 0.01)}):
+        found = shisei.six_face(acc_m_s2=acc, gyro_rad_s=gyro, **given)
+        np.testing.assert_allclose(found.calibration.acc_bias_m_s2,
+                                   shisei.six_face(acc_m_s2=acc, gyro_rad_s=gyro, rate_hz=100).calibration.acc_bias_m_s2,
+                                   rtol=1e-9)
+    noise = shisei.allan_deviation(gyro[:200, 0], time_s=time_s[:200])
+    np.testing.assert_allclose(noise.deviation, shisei.allan_deviation(gyro[:200, 0], rate_hz=100).deviation, rtol=1e-9)
+    for function in (shisei.six_face, shisei.multi_pose, shisei.known_turns):
+        with pytest.raises(shisei.DomainError, match="without gaps"):
+            function(acc_m_s2=acc, gyro_rad_s=gyro, time_s=time_s + (time_s > 5))
 
 
 def test_refusals():
@@ -223,3 +263,63 @@ def test_angles_have_the_bits_of_the_command_line(relative, tmp_path):
     q, ypr = np.ascontiguousarray(rows[:, :4]), rows[:, 4:]
     found = shisei.Orientation(q, tuple(json.loads(told.stdout)["start_q_wxyz"]), None, (0.0, 0.0, 0.0))
     assert np.array_equal(found.ypr_rad(relative), ypr)
+
+
+@pytest.mark.skipif("SHISEI" not in os.environ, reason="SHISEI names the command to compare with")
+@pytest.mark.parametrize("kind", ["shisei", "shisei-online", "mahony", "mahony-adaptive", "complementary", "gyro", "gyro-rk4"])
+@pytest.mark.parametrize("name, rest", [("examples/pelvis.csv", "auto"), ("fixtures/dialects/euroc/euroc.csv", None)])
+def test_a_recording_has_the_bits_of_the_command_line(name, rest, kind, tmp_path):
+    out = tmp_path / "out.csv"
+    command = [os.environ["SHISEI"], "orient", ROOT / name, "--no-report", "--json", "-o", out, "--filter", kind]
+    ran = subprocess.run([*command, "--rest", rest or "none"], check=True, capture_output=True, text=True)
+    told = json.loads(ran.stdout)
+    with open(out, encoding="utf-8") as f:
+        rows = list(csv.DictReader(f))
+
+    def columns(*names):
+        return np.array([[float(row[n]) for n in names] for row in rows])
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", UserWarning)
+        read = shisei.read_recording(ROOT / name)
+        given = {"acc_m_s2": read.acc_m_s2, "gyro_rad_s": read.gyro_rad_s, "dt_s": read.dt_s, "rest": rest}
+        found = shisei.orient(**given, filter=kind)
+        same = shisei.estimate(**given, online=kind == "shisei-online")
+    assert told["rate_hz"] == read.rate_hz and tuple(told["start_q_wxyz"]) == found.start
+    assert np.array_equal(found.world_from_body, columns("q_w", "q_x", "q_y", "q_z"))
+    assert np.array_equal(found.ypr_rad(), columns("yaw_rad", "pitch_rad", "roll_rad"))
+    ends = found.rest and (read.time_s[found.rest[0]], read.time_s[found.rest[1] - 1])
+    assert ends == (told["rest"] and (told["rest"]["start_s"], told["rest"]["end_s"]))
+    if kind.startswith("shisei"):
+        assert np.array_equal(same.q_wxyz, found.world_from_body) and same.rest_rows == found.rest
+        assert np.array_equal(same.rest, columns("rest")[:, 0] == 1)
+        assert np.array_equal(same.sigma_heading_rad, columns("sigma_heading_rad")[:, 0])
+
+
+@pytest.mark.skipif("SHISEI" not in os.environ, reason="SHISEI names the command to compare with")
+def test_a_calibration_file_gives_the_bits_of_the_command_line(tmp_path):
+    read = shisei.read_recording(ROOT / "examples/pelvis.csv")
+    given = {"acc_m_s2": read.acc_m_s2, "gyro_rad_s": read.gyro_rad_s, "dt_s": read.dt_s, "forward": "z"}
+    plain = shisei.Calibration((0.0123456789012345678, -0.1 / 3, 1e-7 / 3), np.diag([1 + 1e-3 / 3, 0.99123, 1.0]),
+                               (1e-3 / 7, 0, 0))
+    for k, calibration in enumerate((plain, shisei.estimate(**given).calibration)):
+        path, out = tmp_path / f"{k}.json", tmp_path / f"{k}.csv"
+        calibration.save(path)
+        command = [os.environ["SHISEI"], "orient", ROOT / "examples/pelvis.csv", "--no-report", "--forward", "z"]
+        subprocess.run([*command, "--calibration", path, "-o", out], check=True, capture_output=True)
+        with open(out, encoding="utf-8") as f:
+            rows = np.array([[float(x) for x in row[1:5]] for row in list(csv.reader(f))[1:]])
+        found = shisei.estimate(**given, calibration=shisei.Calibration.load(path))
+        assert np.array_equal(found.q_wxyz, rows)
+
+
+def test_a_start_without_a_heading_and_an_odd_gravity_are_said():
+    acc, gyro = recording("pelvis.csv")
+    for function in (shisei.orient, shisei.estimate):
+        with pytest.warns(UserWarning, match="forward -z"):
+            function(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100)
+        with pytest.warns(UserWarning, match="^gravity_m_s2 8 is not found on the Earth"):
+            function(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward="z", gravity_m_s2=8)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            function(gyro_rad_s=gyro, acc_m_s2=acc, rate_hz=100, forward="z")

@@ -26,6 +26,12 @@ def swing(factor=1.0):
 
 ACC, GYRO = swing()
 GIVEN = {"acc_m_s2": ACC, "gyro_rad_s": GYRO}
+TAKE = shisei.OpticalTake(TIME, np.zeros((2000, 3)), np.tile([1.0, 0, 0, 0], (2000, 1)))
+
+
+def finished(late):
+    late.finish()
+    return late
 
 
 @pytest.mark.parametrize("language", ["en", "ja"])
@@ -50,11 +56,55 @@ GIVEN = {"acc_m_s2": ACC, "gyro_rad_s": GYRO}
     (shisei.ShapeError, "dt_s", lambda: shisei.Estimator().update_all(**GIVEN, dt_s="a")),
     (shisei.ShapeError, "acc_m_s2", lambda: shisei.Estimator().update(acc_m_s2=[1, 2], gyro_rad_s=[0, 0, 0], dt_s=0.01)),
     (shisei.ShapeError, "gyro_rad_s", lambda: shisei.Mahony().update(None, [0, 0, 9.8], 0.01)),
-    (shisei.DomainError, "slerp", lambda: shisei.slerp([1, 0, 0, 0], [0, 1, 0, 0], [0.5, np.nan])),
+    (shisei.DomainError, "t:", lambda: shisei.slerp([1, 0, 0, 0], [0, 1, 0, 0], [0.5, np.nan])),
     (shisei.ShapeError, "matrix", lambda: shisei.from_matrix(np.eye(2))),
     (shisei.DomainError, "kp", lambda: shisei.mahony(**GIVEN, rate_hz=100, kp=np.nan)),
     (shisei.ConditionError, "max_variance", lambda: shisei.six_face(**GIVEN, rate_hz=100)),
     (shisei.DomainError, "window_s", lambda: shisei.six_face(**GIVEN, rate_hz=100, window_s=0)),
+    (shisei.ShapeError, "window_s", lambda: shisei.six_face(**GIVEN, rate_hz=100, window_s="3")),
+    (shisei.ShapeError, "kp", lambda: shisei.mahony(**GIVEN, rate_hz=100, kp="2")),
+    (TypeError, "AdaptiveGain", lambda: shisei.mahony_adaptive(**GIVEN, rate_hz=100, gain={"kp_max": 2})),
+    (shisei.ShapeError, "gravity_m_s2", lambda: shisei.estimate(**GIVEN, rate_hz=100, gravity_m_s2=None)),
+    (shisei.DomainError, "gravity_m_s2", lambda: shisei.estimate(**GIVEN, rate_hz=100, gravity_m_s2=-1)),
+    (ValueError, "finish()", lambda: finished(shisei.FixedLag()).finish()),
+    (shisei.ShapeError, "lag_s", lambda: shisei.FixedLag("1")),
+    (shisei.DomainError, "lag_s", lambda: shisei.FixedLag(11)),
+    (shisei.ShapeError, "dt_s", lambda: shisei.Estimator().update(acc_m_s2=ACC[0], gyro_rad_s=GYRO[0], dt_s=None)),
+    (shisei.ShapeError, "dt_s", lambda: shisei.Mahony().update(GYRO[0], ACC[0], None)),
+    (shisei.DomainError, "dt_s", lambda: shisei.mahony(**GIVEN, dt_s=np.where(np.arange(2000) == 7, 0, 0.01))),
+    (shisei.ShapeError, "(2000,)", lambda: shisei.mahony(**GIVEN, dt_s=np.full(1999, 0.01))),
+    (shisei.ShapeError, "time_s", lambda: shisei.mahony(**GIVEN, time_s=TIME.astype("m8[M]"))),
+    (shisei.DomainError, "frozen", lambda: shisei.read_motive("take.csv", frozen=-1)),
+    (TypeError, "body", lambda: shisei.read_motive("take.csv", body=5)),
+    (TypeError, "", lambda: shisei.read_recording()),
+    (TypeError, "['a.csv']", lambda: shisei.read_recording(["a.csv"])),
+    (TypeError, "units", lambda: shisei.read_recording("a.csv", units=5)),
+    (shisei.ShapeError, "time_s", lambda: shisei.fuse(TAKE, GIVEN)),
+    (TypeError, "OpticalTake", lambda: shisei.fuse(None, None)),
+    (shisei.DomainError, "start", lambda: shisei.mahony(**GIVEN, rate_hz=100, start=[np.nan, 0, 0, 0])),
+    (shisei.DomainError, "start", lambda: shisei.relative([1, 0, 0, 0], [0, 0, 0, 0])),
+    (shisei.ShapeError, "start", lambda: shisei.relative([1, 0, 0, 0], None)),
+    (shisei.DomainError, "normalize", lambda: shisei.normalize([0] * 4)),
+    (shisei.DomainError, "to_ypr", lambda: shisei.to_ypr([0] * 4)),
+    (shisei.DomainError, "angle_rad", lambda: shisei.from_axis_angle([0, 0, 1], np.nan)),
+    (shisei.DomainError, "from_axis_angle", lambda: shisei.from_axis_angle([0, 0, 0], 1)),
+    (shisei.DomainError, "initial_attitude: max_variance", lambda: shisei.initial_attitude(ACC, max_variance=-1)),
+    (shisei.DomainError, "forward", lambda: shisei.orient(**GIVEN, rate_hz=100, forward=[0, 0, np.inf])),
+    (shisei.DomainError, "latitude_rad", lambda: shisei.earth_rate(gyro_rad_s=GYRO[:5], latitude_rad=35.7)),
+    (shisei.DomainError, "sigma_rad_s", lambda: shisei.earth_rate(gyro_rad_s=GYRO[:5], sigma_rad_s=-abs(GYRO[:5]))),
+    (shisei.ConditionError, "max_without_rest_s",
+     lambda: shisei.rest_to_rest(**GIVEN, rate_hz=100, max_without_rest_s=1)),
+    (shisei.DomainError, "max_without_rest_s",
+     lambda: shisei.rest_to_rest(**GIVEN, rate_hz=100, max_without_rest_s=np.nan)),
+    (shisei.DomainError, "max_without_rest_s",
+     lambda: shisei.foot_motion(**GIVEN, rate_hz=100, max_without_rest_s=-1)),
+    (shisei.ConditionError, "allan_deviation", lambda: shisei.allan_deviation(np.ones(100), rate_hz=100)),
+    (shisei.DomainError, "1.01", lambda: shisei.allan_deviation(ACC[:, 0], time_s=TIME + (TIME > 3))),
+    (shisei.ConditionError, "parts", lambda: shisei.known_turns(**GIVEN, rate_hz=100)),
+    (shisei.ShapeError, "acc_matrix", lambda: shisei.Calibration(acc_matrix=[[1, 0], [0, 1]])),
+    (shisei.DomainError, "gyroscope.matrix", lambda: shisei.Estimator(calibration=shisei.Calibration(gyro_matrix=np.zeros((3, 3))))),
+    (shisei.ShapeError, "threads", lambda: shisei.many(shisei.mahony, [], threads="2")),
+    (ValueError, "'fr'", lambda: shisei.set_language("fr")),
 ])
 def test_each_refusal_is_a_sentence_that_names_the_argument(error, words, call, language):
     shisei.set_language(language)
@@ -76,6 +126,7 @@ def test_what_is_masked_or_missing_is_no_number():
     mask = np.zeros(ACC.shape, bool)
     mask[7, 1] = True
     refused(np.ma.MaskedArray(ACC, mask))
+    refused([np.ma.MaskedArray(*row) for row in zip(ACC, mask)])
     refused(pd.DataFrame(ACC).mask(mask))
     refused(pd.DataFrame(ACC).astype("Float64").mask(mask))
     refused(pl.DataFrame(ACC).with_columns(column_1=pl.Series([None if m else a for a, m in zip(ACC[:, 1], mask[:, 1])])))
@@ -107,8 +158,8 @@ def test_units_that_cannot_be_right_bring_a_warning(call):
 def test_the_plus_of_an_axis_may_be_left_out():
     assert (shisei.estimate(**GIVEN, rate_hz=100, forward="y").q_wxyz
             == shisei.estimate(**GIVEN, rate_hz=100, forward="+y").q_wxyz).all()
-    np.testing.assert_array_equal(shisei.orient(**GIVEN, rate_hz=100, forward_axis="-y").world_from_body,
-                                  shisei.orient(**GIVEN, rate_hz=100, forward_axis=(0, -1, 0)).world_from_body)
+    np.testing.assert_array_equal(shisei.orient(**GIVEN, rate_hz=100, forward="-y").world_from_body,
+                                  shisei.orient(**GIVEN, rate_hz=100, forward=(0, -1, 0)).world_from_body)
 
 
 def test_rotations_agree_with_scipy():

@@ -7,11 +7,23 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Floats, axis, each_step, one_sample, rest_rows, say, series, steps, warn_of_doubts
+from ._arrays import (
+    Floats,
+    axis,
+    each_step,
+    number,
+    one_sample,
+    rest_rows,
+    say,
+    series,
+    steps,
+    warn_of_attitudes,
+    warn_of_doubts,
+)
 from ._native import EstimatorFilter, FixedLagFilter, ypr_rad
 from ._native import estimate as _estimate
 from .calibration import Calibration
-from .filters import GRAVITY_M_S2
+from .filters import GRAVITY_M_S2, Axis
 
 LEARNT_ORDER = [
     "gyro_bias_x", "gyro_bias_y", "gyro_bias_z", "acc_bias_x", "acc_bias_y", "acc_bias_z", "gyro_matrix_xx",
@@ -20,25 +32,25 @@ LEARNT_ORDER = [
 ]
 """Rows and columns of the covariance in a calibration that the estimator learnt."""
 
-Axis = Literal["+x", "-x", "+y", "-y", "+z", "-z"]
 
-
-def _known(calibration: Calibration | None) -> Any:
+def _known(calibration: Calibration | None) -> str | None:
+    """The text of its file."""
     if calibration is None:
         return None
     if not isinstance(calibration, Calibration):
         raise TypeError(say("calibration must be a shisei.Calibration; read a file with shisei.Calibration.load(path)",
                             "calibration には shisei.Calibration を指定してください。ファイルは shisei.Calibration.load(path) で読めます"))
+    return calibration.text("calibration")
+
+
+def _is_learnt(calibration: Calibration) -> bool:
     covariance = calibration.other.get("covariance")
-    values = covariance["values"] if covariance and covariance.get("order") == LEARNT_ORDER else None
-    c = calibration
-    return (list(c.gyro_bias_rad_s), [list(r) for r in c.gyro_matrix], list(c.acc_bias_m_s2),
-            [list(r) for r in c.acc_matrix], values)
+    return covariance is not None and list(covariance["order"]) == LEARNT_ORDER
 
 
 def _learnt(found: Any, before: Calibration | None, gravity_m_s2: float) -> Calibration:
     gyro_bias, gyro_matrix, acc_bias, acc_matrix, covariance = found
-    if before is not None and _known(before)[4] is None:  # it corrected the readings; what was learnt comes after it
+    if before is not None and not _is_learnt(before):  # it corrected the readings; what was learnt comes after it
         gyro_bias, gyro_matrix = _after(before.gyro_bias_rad_s, before.gyro_matrix, gyro_bias, gyro_matrix)
         acc_bias, acc_matrix = _after(before.acc_bias_m_s2, before.acc_matrix, acc_bias, acc_matrix)
     other = {"method": "estimator", "gravity_m_s2": gravity_m_s2,
@@ -52,7 +64,7 @@ def _after(first_bias: Any, first_matrix: Any, bias: Any, matrix: Any) -> tuple[
     return total.tolist(), (np.asarray(matrix, float) @ np.asarray(first_matrix, float)).tolist()
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Estimate:
     """Attitude of a recording, and how sure it is. N rows, one a sample; standard deviations are 1 sigma."""
 
@@ -84,29 +96,33 @@ class Estimate:
 
 
 def estimate(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, time_s: Any = None,
-             dt_s: float | None = None, online: bool = False, forward: Axis | Any = None,
+             dt_s: Any = None, online: bool = False, forward: Axis | Any = None,
              gravity_m_s2: float = GRAVITY_M_S2, rest: Literal["auto"] | tuple[int, int] | None = "auto",
              calibration: Calibration | None = None) -> Estimate:
     """Attitude of a whole recording by the estimator, which also says how sure it is.
 
-    acc_m_s2, gyro_rad_s: (N, 3) in sensor axes, as measured or corrected. rate_hz, or time_s (N,) ascending, or dt_s.
-    online: False smooths (every attitude from the whole recording); True uses only the samples before each row, as
+    acc_m_s2, gyro_rad_s: (N, 3) in sensor axes, as measured or corrected. rate_hz, or time_s (N,) ascending, or dt_s
+    (one number or (N,)); with the arrays and ``dt_s`` of :func:`read_recording` the result has the bits of the command
+    line. online: False smooths (every attitude from the whole recording); True uses only the samples before each row, as
     :class:`Estimator` does live. forward: the sensor axis that, laid flat at the start, points along world x: "+x" …
     "-z" or (3,). gravity_m_s2: local gravity. rest: "auto" (the first rest; without one it goes on without),
     (first row, end row), or None. calibration: what is known of the sensor; give raw readings with it.
 
     The GIL is released. Raises ShapeError (wrong shapes, unequal lengths), DomainError (numbers that are not finite,
     steps or gravity not positive) and ConditionError (the forward axis is near the vertical, the given rest is too
-    short). Readings in g or deg/s, and values that no sensor gives, bring a UserWarning.
+    short). Readings in g or deg/s, values that no sensor gives, a start without a heading where no ``forward`` is given,
+    and a gravity not of this Earth bring a UserWarning.
     """
     gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
     rows = rest_rows(rest, len(gyro))
     step = steps(len(gyro), rate_hz, time_s, dt_s)
-    found = _estimate(gyro, acc, step, online, isinstance(rest, str), rows, axis(forward, "forward"), gravity_m_s2,
+    gravity = number(gravity_m_s2, "gravity_m_s2")
+    found = _estimate(gyro, acc, step, bool(online), isinstance(rest, str), rows, axis(forward), gravity,
                       _known(calibration))
     if calibration is None:
         warn_of_doubts(gyro, acc, step)
-    learnt = _learnt(found["learnt"], calibration, gravity_m_s2)
+    warn_of_attitudes(found["start"], forward, gravity)
+    learnt = _learnt(found["learnt"], calibration, gravity)
     q = found["q_wxyz"]
     return Estimate(q, ypr_rad(q, found["start"], "none"), found["sigma_tilt_rad"], found["sigma_heading_rad"], found["rest"],
                     np.array(learnt.gyro_bias_rad_s), tuple(found["start"]), found["rest_rows"], learnt)
@@ -132,7 +148,7 @@ class EstimatorState(NamedTuple):
 
 
 class EstimatorStates(NamedTuple):
-    """What is known after each of N samples; the fields are those of :class:`EstimatorState`."""
+    """What is known after each of N samples: the fields of :class:`EstimatorState` but its covariance."""
 
     q_wxyz: Floats
     """(N, 4)"""
@@ -157,13 +173,13 @@ class Estimator:
     """The estimator live: one sample in, one state out, in constant time and memory.
 
     gravity_m_s2: local gravity. calibration: what is known of the sensor; give raw readings with it. Raises DomainError
-    where one of them is out of range.
+    where one of them is out of range. Threads may share one: each call takes its turn, a stretch as a whole.
     """
 
     def __init__(self, *, gravity_m_s2: float = GRAVITY_M_S2, calibration: Calibration | None = None) -> None:
-        self._filter = EstimatorFilter(gravity_m_s2, _known(calibration))
+        self._gravity = number(gravity_m_s2, "gravity_m_s2")
+        self._filter = EstimatorFilter(self._gravity, _known(calibration))
         self._given = calibration
-        self._gravity = gravity_m_s2
 
     def update(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: float) -> EstimatorState:
         """One sample: (3,) m/s², (3,) rad/s, and the time since the one before (of the first: the usual step), s.
@@ -179,7 +195,7 @@ class Estimator:
         Raises ShapeError for wrong shapes or unequal lengths.
         """
         gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
-        found = self._filter.update_all(gyro, acc, each_step(dt_s))
+        found = self._filter.update_all(gyro, acc, each_step(dt_s, len(gyro)))
         return EstimatorStates(*(found[name] for name in EstimatorStates._fields))
 
     @property
@@ -199,12 +215,13 @@ class FixedLag:
 
     States come out in order, one for each sample, in bunches of about 0.14 s. gravity_m_s2: local gravity.
     calibration: what is known of the sensor; give raw readings with it. Raises DomainError where one of them is out
-    of range.
+    of range. Threads may share one, as an :class:`Estimator`.
     """
 
     def __init__(self, lag_s: float = 1.0, *, gravity_m_s2: float = GRAVITY_M_S2,
                  calibration: Calibration | None = None) -> None:
-        self._filter = FixedLagFilter(lag_s, gravity_m_s2, _known(calibration))
+        lag, gravity = number(lag_s, "lag_s"), number(gravity_m_s2, "gravity_m_s2")
+        self._filter = FixedLagFilter(lag, gravity, _known(calibration))
 
     def update(self, *, acc_m_s2: Any, gyro_rad_s: Any, dt_s: float) -> list[EstimatorState]:
         """One sample, as :meth:`Estimator.update`; gives the states that have now waited long enough, often none."""
@@ -214,7 +231,7 @@ class FixedLag:
         """A stretch of samples (N, 3), (N, 3); dt_s: one number or (N,). Gives the states that have waited long
         enough by its end: the same bits as one by one; the GIL is released. Raises ShapeError for wrong shapes."""
         gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
-        found = self._filter.update_all(gyro, acc, each_step(dt_s))
+        found = self._filter.update_all(gyro, acc, each_step(dt_s, len(gyro)))
         return EstimatorStates(*(found[name] for name in EstimatorStates._fields))
 
     def finish(self) -> EstimatorStates:

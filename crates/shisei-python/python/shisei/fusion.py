@@ -10,7 +10,7 @@ from typing import Any, Literal, NamedTuple, Union
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Floats, as_floats, say, series, steps
+from ._arrays import Floats, as_floats, as_path, count, number, say, series, steps, text
 from ._native import ShapeError
 from ._native import fuse as _fuse
 from ._native import read_motive as _read_motive
@@ -21,7 +21,7 @@ Source = Literal["optical", "bridged", "inertial", "none"]
 Path = Union[str, "os.PathLike[str]"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class OpticalTake:
     """One body as the cameras saw it, N frames; NaN where it was lost."""
 
@@ -41,17 +41,26 @@ class OpticalTake:
     and one or more of them are seen, they hold its position."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ImuRecording:
-    """What a sensor read, N samples, on its own clock."""
+    """What a sensor read, N samples, on its own clock. Times, accelerations and rates may be given by hand; the rest is
+    there when :func:`read_recording` read it."""
 
     time_s: Floats
+    """(N,) ascending."""
     acc_m_s2: Floats
     """(N, 3)"""
     gyro_rad_s: Floats
     """(N, 3)"""
     assumptions: tuple[str, ...] = ()
     """What the file did not say, a sentence each."""
+    warnings: tuple[str, ...] = ()
+    """What to know before trusting it, a sentence each."""
+    dt_s: Floats | None = None
+    """(N,) the time since the sample before, of the first the usual step: what ``orient``, ``estimate`` and the filters
+    take as ``dt_s`` to give the bits of the command line."""
+    rate_hz: float | None = None
+    """One over the usual step, Hz: what ``six_face``, ``multi_pose`` and ``allan_deviation`` take."""
 
 
 class Gap(NamedTuple):
@@ -97,7 +106,7 @@ class Sync:
     """The same for the next best offset: near ``explained`` where the motion repeats itself."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Fusion:
     """A pose in every frame, where it comes from, and how far to trust it. N rows, one a frame."""
 
@@ -141,8 +150,9 @@ class Fusion:
 
 
 def _file(path: Path) -> tuple[str, bytes]:
-    with open(path, "rb") as file:
-        return os.fspath(path), file.read()
+    name = as_path(path)
+    with open(name, "rb") as file:
+        return name, file.read()
 
 
 def read_motive(path: Path, *, body: str | None = None, frozen: int = 3) -> OpticalTake:
@@ -151,15 +161,19 @@ def read_motive(path: Path, *, body: str | None = None, frozen: int = 3) -> Opti
     body: name of a rigid body, or SKELETON:BONE, where the take has several. frozen: a pose repeated bit for bit so
     often counts as lost; 0 leaves such poses alone. Raises OSError, and DomainError where the file is no take.
     """
+    often = count(frozen, "frozen", 0)
+    if body is not None:
+        text(body, "body")
     name, content = _file(path)
-    return OpticalTake(**_read_motive(content, name, body, frozen))
+    return OpticalTake(**_read_motive(content, name, body, often))
 
 
 def read_recording(*paths: Path, units: str | None = None, columns: str | None = None, axes: str | None = None,
                    scale: str | None = None, rate_hz: float | None = None, sensor: str | None = None,
                    skip_bad_rows: bool = False) -> ImuRecording:
     """Reads an inertial recording of any dialect that the command line reads, or the accelerometer's and the
-    gyroscope's files of one recording.
+    gyroscope's files of one recording. :func:`orient` and :func:`estimate` of its arrays and its ``dt_s`` give the bits
+    of the command line.
 
     What is not guessed right is said as on the command line: units "acc=g,gyr=deg/s"; columns "acc_x=Ax,acc_y=Ay,…";
     axes "x,-y,-z"; scale "acc=16384,gyr=131" (counts per g and per deg/s); rate_hz, with which the stamps are left
@@ -167,18 +181,24 @@ def read_recording(*paths: Path, units: str | None = None, columns: str | None =
     read. Doubts bring a UserWarning. Raises OSError, and DomainError where it is no recording.
     """
     said = {"units": units, "columns": columns, "axes": axes, "scale": scale}
-    return _recording(paths, {k: v for k, v in said.items() if v is not None}, rate_hz, sensor, skip_bad_rows)
+    given = {name: text(value, name) for name, value in said.items() if value is not None}
+    return _recording(paths, given, rate_hz, None if sensor is None else text(sensor, "sensor"), bool(skip_bad_rows))
 
 
 def _recording(paths: tuple[Path, ...], said: dict[str, str], rate_hz: float | None = None, sensor: str | None = None,
                skip_bad_rows: bool = False, level: int = 3) -> ImuRecording:
     """Warns so many calls up."""
+    if not paths:
+        raise TypeError(say("give the path of a recording, or the two paths of one",
+                            "記録のファイル名を 1 つ (または対になる 2 つ) 指定してください"))
     if rate_hz is not None:
         steps(1, rate_hz, None)  # refuses what is no rate
+        rate_hz = number(rate_hz, "rate_hz")
     found = _read_recording([_file(path) for path in paths], list(said.items()), rate_hz, sensor, skip_bad_rows)
     for sentence in found["warnings"]:
         warnings.warn(sentence, UserWarning, stacklevel=level)
-    return ImuRecording(found["time_s"], found["acc_m_s2"], found["gyro_rad_s"], tuple(found["assumptions"]))
+    return ImuRecording(found["time_s"], found["acc_m_s2"], found["gyro_rad_s"], tuple(found["assumptions"]),
+                        tuple(found["warnings"]), found["dt_s"], found["rate_hz"])
 
 
 def _column(frame: Any, name: str) -> Any:
@@ -194,7 +214,7 @@ def _imu(imu: Any) -> ImuRecording:
     if isinstance(imu, ImuRecording):
         parts = (imu.time_s, imu.acc_m_s2, imu.gyro_rad_s)
     elif isinstance(imu, Mapping) and "acc_m_s2" in imu:
-        parts = (imu["time_s"], imu["acc_m_s2"], _column(imu, "gyro_rad_s"))
+        parts = (_column(imu, "time_s"), imu["acc_m_s2"], _column(imu, "gyro_rad_s"))
     else:  # a data frame with the columns of a recording
         def three(name: str) -> Any:
             return np.column_stack([as_floats(_column(imu, f"{name}_{axis}"), name).ravel() for axis in "xyz"])
@@ -220,11 +240,23 @@ def fuse(optical: OpticalTake | Path, imu: ImuRecording | Mapping[str, Any] | Pa
     elif body is not None:
         raise TypeError(say("body is for a path; an OpticalTake is of one body",
                             "body はファイルを指定するときだけ使えます。OpticalTake は 1 つの剛体です"))
+    if not isinstance(optical, OpticalTake):
+        raise TypeError(say("optical must be a shisei.OpticalTake or the path of Motive's CSV",
+                            "optical には shisei.OpticalTake か Motive の CSV のファイル名を指定してください"))
+    if optical.axes not in ("y-up", "z-up"):
+        raise ValueError(say(f"axes is {optical.axes!r}; it must be 'y-up' or 'z-up'",
+                             f"axes が {optical.axes!r} です。'y-up' か 'z-up' にしてください"))
+    markers = dict(optical.markers_m or {})
+    gravity = number(gravity_m_s2, "gravity_m_s2")
+    near = None if near_offset_s is None else number(near_offset_s, "near_offset_s")
     recording = _imu(imu)
     time_s = as_floats(optical.time_s, "time_s").ravel()
+    if optical.frame is not None and np.shape(optical.frame) != time_s.shape:
+        raise ShapeError(say(f"frame has shape {np.shape(optical.frame)} and time_s {time_s.shape}; give one a row",
+                             f"frame の形が {np.shape(optical.frame)}、time_s の形が {time_s.shape} です。1 行に 1 つにしてください"))
     found = _fuse(time_s, series(optical.position_m, 3, "position_m"), series(optical.q_wxyz, 4, "q_wxyz"),
-                  recording.time_s, recording.acc_m_s2, recording.gyro_rad_s, optical.axes, gravity_m_s2, near_offset_s,
-                  [series(marker, 3, f"markers_m[{name!r}]") for name, marker in optical.markers_m.items()])
+                  recording.time_s, recording.acc_m_s2, recording.gyro_rad_s, optical.axes, gravity, near,
+                  [series(marker, 3, f"markers_m[{name!r}]") for name, marker in markers.items()])
     frame = np.arange(len(time_s), dtype=np.int64) if optical.frame is None else np.asarray(optical.frame, np.int64)
     sync: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in found["sync"].items()}
     return Fusion(frame=frame, time_s=time_s, position_m=found["position_m"], q_wxyz=found["q_wxyz"],
@@ -233,7 +265,7 @@ def fuse(optical: OpticalTake | Path, imu: ImuRecording | Mapping[str, Any] | Pa
                   lever_arm_m=_tuple(found["lever_arm_m"]), sigma_lever_arm_m=_tuple(found["sigma_lever_arm_m"]),
                   up=tuple(found["up"]), axes=optical.axes, name=optical.name,
                   markers={name: place and MarkerPlace(tuple(place[0]), place[1])
-                           for name, place in zip(optical.markers_m, found["places"])},
+                           for name, place in zip(markers, found["places"])},
                   held=np.array(found["held"], dtype=bool))
 
 

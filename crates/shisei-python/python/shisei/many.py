@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar, cast
 
-from ._arrays import Floats, say
+from ._arrays import Floats, count
 from ._native import run_mahony_many
 from .filters import mahony, mahony_given
 
@@ -25,16 +25,14 @@ def many(function: Callable[..., Found], recordings: Iterable[Mapping[str, Any]]
 
     >>> shisei.many(shisei.estimate, [{"gyro_rad_s": g, "acc_m_s2": a} for g, a in trials], rate_hz=100)
     """
-    count = threads or os.cpu_count() or 1
-    if count < 1:
-        raise ValueError(say(f"threads is {threads}; it must be at least 1", f"threads が {threads} です。1 以上にしてください"))
+    side_by_side = os.cpu_count() or 1 if threads is None else count(threads, "threads", 1)
     recordings = list(recordings)
-    if cast(Any, function) is mahony and len(recordings) > count:
+    if cast(Any, function) is mahony and len(recordings) > side_by_side:
         try:
-            return cast(list[Found], _side_by_side([mahony_given(**r, **common) for r in recordings], count))
+            return cast(list[Found], _side_by_side([mahony_given(**r, **common) for r in recordings], side_by_side))
         except Exception:  # one by one, so that the first in order is raised
             pass
-    with ThreadPoolExecutor(count) as pool:
+    with ThreadPoolExecutor(side_by_side) as pool:
         return list(pool.map(lambda recording: function(**recording, **common), recordings))
 
 

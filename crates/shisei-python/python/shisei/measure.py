@@ -6,8 +6,8 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
-from ._arrays import Floats, as_floats, say, series, steps
-from ._native import ShapeError
+from ._arrays import Floats, as_floats, even_step, number, say, series, steps
+from ._native import DomainError, ShapeError
 from ._native import allan_deviation as _allan
 from ._native import earth_rate as _earth_rate
 from ._native import fit_sphere as _fit_sphere
@@ -25,7 +25,7 @@ def _measured(pair: Any) -> Measured | None:
     return None if pair is None else Measured(*pair)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class AllanDeviation:
     """The curve of one axis, K averaging times, and its noise. U is the unit of the readings."""
 
@@ -56,12 +56,12 @@ class AllanDeviation:
     """Averaging longer than this gains nothing that these data can show."""
 
 
-def allan_deviation(data: Any, *, rate_hz: float | None = None, dt_s: float | None = None) -> AllanDeviation:
+def allan_deviation(data: Any, *, rate_hz: float | None = None, time_s: Any = None, dt_s: Any = None) -> AllanDeviation:
     """Overlapping Allan deviation of one axis at rest: how much averaging helps, and when it stops helping.
 
-    data: (N,), 30 readings or more without gaps, in any unit. rate_hz or dt_s. The GIL is released. Raises ShapeError
-    (not one axis), DomainError (numbers that are not finite, step not positive) and ConditionError (too few readings,
-    all alike). Noise coefficients are those of IEEE Std 952; intervals those of NIST SP 1065.
+    data: (N,), 30 readings or more without gaps, in any unit. rate_hz, or time_s (N,), or dt_s. The GIL is released. Raises ShapeError
+    (not one axis), DomainError (numbers that are not finite, step not positive, gaps) and ConditionError (too few
+    readings, all alike). Noise coefficients are those of IEEE Std 952; intervals those of NIST SP 1065.
     """
     array = as_floats(data, "data")
     if array.ndim == 2 and array.shape[1] == 1:
@@ -69,7 +69,7 @@ def allan_deviation(data: Any, *, rate_hz: float | None = None, dt_s: float | No
     if array.ndim != 1:
         raise ShapeError(say(f"data has shape {array.shape} and must be (N,): one axis; give each axis by itself",
                              f"data の形は {array.shape} ですが、(N,) でなければなりません。軸を 1 つずつ指定してください"))
-    found = _allan(array, steps(len(array), rate_hz, None, dt_s))
+    found = _allan(array, even_step(len(array), rate_hz, time_s, dt_s))
     for name in ("quantisation", "random_walk", "bias_instability", "rate_random_walk"):
         found[name] = Measured(*found[name])
     return AllanDeviation(**found)
@@ -102,7 +102,7 @@ def fit_sphere(points: Any) -> SphereFit:
     return SphereFit(tuple(center), *others)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class MeanRate:
     """One recording at rest, averaged: a row for :func:`earth_rate`."""
 
@@ -118,7 +118,7 @@ class MeanRate:
 
 
 def mean_rate(*, gyro_rad_s: Any, acc_m_s2: Any = None, rate_hz: float | None = None, time_s: Any = None,
-              dt_s: float | None = None, weights: Literal["capped", "as-measured"] = "capped") -> MeanRate:
+              dt_s: Any = None, weights: Literal["capped", "as-measured"] = "capped") -> MeanRate:
     """The mean of a recording at rest in one direction, with its standard error.
 
     gyro_rad_s, acc_m_s2: (N, 3). rate_hz, time_s (N,) or dt_s. weights: what a step longer than 1.5 median steps counts:
@@ -136,7 +136,7 @@ def mean_rate(*, gyro_rad_s: Any, acc_m_s2: Any = None, rate_hz: float | None = 
     return MeanRate(**found)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class EarthRate:
     """The Earth's rotation as a gyroscope saw it; None where the directions do not determine a number."""
 
@@ -165,12 +165,16 @@ def earth_rate(*, gyro_rad_s: Any, sigma_rad_s: Any = None, acc_m_s2: Any = None
 
     gyro_rad_s: (N, 3), one direction a row, three or more, sensor axes; averaged over minutes at rest each (:func:`mean_rate`). sigma_rad_s:
     (N, 3) their standard errors. acc_m_s2: (N, 3) mean accelerations, which say where up was. latitude_rad: of the place,
-    north positive, where known. Raises ShapeError, DomainError (numbers that are not finite, latitude beyond ±90°) and
+    north positive, where known. Raises ShapeError, DomainError (numbers that are not finite, errors below 0, latitude beyond ±π/2) and
     ConditionError (fewer than three directions, or all alike).
     """
+    latitude = None if latitude_rad is None else number(latitude_rad, "latitude_rad")
+    if latitude is not None and not abs(latitude) < np.pi / 2:
+        raise DomainError(say(f"latitude_rad is {latitude_rad}; it must lie between -π/2 and π/2, as np.radians(35.7) does",
+                              f"latitude_rad が {latitude_rad} です。np.radians(35.7) のように -π/2 から π/2 の間にしてください"))
     found = _earth_rate(series(gyro_rad_s, 3, "gyro_rad_s"),
                         None if sigma_rad_s is None else series(sigma_rad_s, 3, "sigma_rad_s"),
-                        None if acc_m_s2 is None else series(acc_m_s2, 3, "acc_m_s2"), latitude_rad)
+                        None if acc_m_s2 is None else series(acc_m_s2, 3, "acc_m_s2"), latitude)
     for name in ("rate_rad_s", "horizontal_rad_s", "latitude_rad", "sidereal_day_h"):
         found[name] = _measured(found[name])
     return EarthRate(**{**found, "gyro_bias_rad_s": tuple(found["gyro_bias_rad_s"])})

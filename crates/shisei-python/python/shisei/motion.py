@@ -7,12 +7,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ._arrays import Floats, series, steps, vector
+from ._arrays import Floats, finite_vector, number, say, series, steps
+from ._native import DomainError
 from ._native import navigate
 from .filters import GRAVITY_M_S2
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Track:
     """Motion of a recording, N rows. World: z up, yaw 0 and position 0 at the first rest."""
 
@@ -35,34 +36,50 @@ class Track:
     """At the end, sensor axes."""
 
 
-def _track(on_foot: bool, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None, time_s: Any, dt_s: float | None,
-           gravity_m_s2: float, max_without_rest_s: float | None, end_m: Any, end_sigma_m: float) -> Track:
+def _positive(value: Any, name: str) -> float:
+    """A number greater than 0, which may be infinite."""
+    found = number(value, name)
+    if not found > 0:
+        raise DomainError(say(f"{name} is {found}; it must be greater than 0",
+                              f"{name} が {found} です。0 より大きい値にしてください"))
+    return found
+
+
+def _track(on_foot: bool, gyro_rad_s: Any, acc_m_s2: Any, rate_hz: float | None, time_s: Any, dt_s: Any,
+           gravity_m_s2: float, max_without_rest_s: float, end_m: Any, end_sigma_m: float) -> Track:
     gyro, acc = series(gyro_rad_s, 3, "gyro_rad_s"), series(acc_m_s2, 3, "acc_m_s2")
-    end = None if end_m is None else (vector(end_m, 3, "end_m"), float(end_sigma_m))
-    found = navigate(on_foot, gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), gravity_m_s2, max_without_rest_s, end)
+    end = None
+    if end_m is not None:
+        end = finite_vector(end_m, 3, "end_m"), _positive(end_sigma_m, "end_sigma_m")
+        if end[1] == np.inf:
+            raise DomainError(say("end_sigma_m is inf; leave end_m out where the end is not known",
+                                  "end_sigma_m が inf です。終点が不明なら end_m を省いてください"))
+    longest = _positive(max_without_rest_s, "max_without_rest_s")
+    gravity = number(gravity_m_s2, "gravity_m_s2")
+    found = navigate(on_foot, gyro, acc, steps(len(gyro), rate_hz, time_s, dt_s), gravity, longest, end)
     for name in ("gyro_bias_rad_s", "acc_bias_m_s2"):
         found[name] = tuple(found[name])
     return Track(**found)
 
 
 def rest_to_rest(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, time_s: Any = None,
-                 dt_s: float | None = None, gravity_m_s2: float = GRAVITY_M_S2, max_without_rest_s: float = 20.0,
+                 dt_s: Any = None, gravity_m_s2: float = GRAVITY_M_S2, max_without_rest_s: float = 20.0,
                  end_m: Any = None, end_sigma_m: float = 0.005) -> Track:
     """Velocity and position of a movement that begins (and, for a good result, ends) at rest.
 
-    acc_m_s2, gyro_rad_s: (N, 3) in sensor axes. rate_hz, or time_s (N,), or dt_s. Rests are found; at each the tilt and
+    acc_m_s2, gyro_rad_s: (N, 3) in sensor axes. rate_hz, or time_s (N,), or dt_s (one number or (N,)). Rests are found; at each the tilt and
     the biases are taken anew, the velocity is zero, and what did not fit is distributed over the movement before.
     end_m: (3,) where the sensor ends, if known ((0, 0, 0): where it began), to within end_sigma_m. max_without_rest_s:
     longer movements are refused, for their error grows with the cube of the time; ``math.inf`` insists.
 
-    The GIL is released. Raises ShapeError, DomainError (numbers that are not finite, steps not positive) and
+    The GIL is released. Raises ShapeError, DomainError (numbers that are not finite, steps or limits not positive) and
     ConditionError (no rest, or too long without one).
     """
     return _track(False, gyro_rad_s, acc_m_s2, rate_hz, time_s, dt_s, gravity_m_s2, max_without_rest_s, end_m, end_sigma_m)
 
 
 def foot_motion(*, acc_m_s2: Any, gyro_rad_s: Any, rate_hz: float | None = None, time_s: Any = None,
-                dt_s: float | None = None, gravity_m_s2: float = GRAVITY_M_S2, max_without_rest_s: float = 5.0,
+                dt_s: Any = None, gravity_m_s2: float = GRAVITY_M_S2, max_without_rest_s: float = 5.0,
                 end_m: Any = None, end_sigma_m: float = 0.005) -> Track:
     """Velocity and position of a walk with the sensor on a foot: at every step it stands for a moment.
 

@@ -1,7 +1,8 @@
 """The worksheet functions under their worksheet names, positional arguments in the worksheet's order.
 
 ``help(shisei.sheet.UpdateQuatsByMahony)`` shows arguments, shapes and units. A single quaternion or vector may be a
-row or a column; a result of one row comes back flat. Refusals raise ShapeError (``#VALUE!``), DomainError
+row or a column. A function whose result is one row gives it flat; one whose result is a series gives (N, columns), of one
+row too. Refusals raise ShapeError (``#VALUE!``), DomainError
 (``#NUM!``) or ConditionError (``#N/A``) with the full sentence.
 """
 from __future__ import annotations
