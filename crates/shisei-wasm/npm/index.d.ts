@@ -4,13 +4,14 @@ import type { Sheet } from "./sheet.js";
 
 /** Numbers row after row. */
 export class Table implements Iterable<Float64Array> {
+  /** Throws {@link ShapeError} unless there are rows × columns numbers. */
   constructor(data: Float64Array, rows: number, columns: number);
   readonly data: Float64Array;
   readonly rows: number;
   readonly columns: number;
-  /** A row, sharing the numbers. */
+  /** A row from 0, sharing the numbers. Throws {@link DomainError} where there is none. */
   row(k: number): Float64Array;
-  /** A column, copied. */
+  /** A column from 0, copied. Throws {@link DomainError} where there is none. */
   column(k: number): Float64Array;
   [Symbol.iterator](): Iterator<Float64Array>;
 }
@@ -20,9 +21,21 @@ export type Numbers = readonly number[] | Float64Array | Float32Array;
 /** One sample a row: a table, a list of rows, or the numbers of all rows in one list. */
 export type Rows = Table | readonly Numbers[] | Numbers;
 
+declare global {
+  interface SymbolConstructor {
+    readonly dispose: unique symbol;
+  }
+}
+
+/** What a global class makes; nothing where the surroundings do not have it, as Node without a browser's types. */
+type Made<Name extends string> = typeof globalThis extends { [N in Name]: new (...given: any) => infer Instance } ? Instance : never;
+type CompiledModule = typeof globalThis extends { WebAssembly: { Module: new (...given: any) => infer Module } } ? Module : never;
+/** Where `shisei_bg.wasm` is, or what is in it. */
+export type Source = string | ArrayBuffer | ArrayBufferView | Made<"URL"> | Made<"Request"> | Made<"Response"> | CompiledModule;
+
 /** Loads the module: `await init()` once before anything else. In Node it is loaded already. `source` is the address of
  * `shisei_bg.wasm`, a Response, or its bytes, where it is not beside the package's other files. */
-export function init(source?: string | URL | Request | Response | BufferSource | WebAssembly.Module): Promise<void>;
+export function init(source?: Source): Promise<void>;
 
 /** The version of shisei, one for all doors. */
 export function version(): string;
@@ -39,8 +52,8 @@ export class ConditionError extends Error {}
 /** A file is not a recording that can be read. */
 export class RecordingError extends Error {}
 
-/** The worksheet functions under their worksheet names: `sheet.UpdateQuatsByMahony(…)`. A result of one row is a
- * Float64Array, of several rows a {@link Table}. */
+/** The worksheet functions under their worksheet names: `sheet.UpdateQuatsByMahony(…)`. A function whose
+ * result is one row gives a Float64Array, one whose result is a series a {@link Table}, of one row too. */
 export const sheet: Sheet;
 
 /** 9.80665 m/s². */
@@ -107,6 +120,10 @@ export interface Readings {
   dtS?: number | Numbers;
 }
 
+/** A calibration file, as `shisei calibrate` writes it: its text, or the object that the text holds. Throws
+ * {@link DomainError} where it is not whole. */
+export type Calibration = string | object;
+
 /** kp as a function of |a|, m/s²: `kpMax` between the starts, falling to `kpMin` at the ends. */
 export interface AdaptiveGain {
   /** 1/s, default 2. */
@@ -142,6 +159,9 @@ export interface Settings {
   forward?: "+x" | "-x" | "+y" | "-y" | "+z" | "-z" | "x" | "y" | "z" | Numbers;
   /** Default 9.80665. */
   gravityMS2?: number;
+  /** What is known of the sensor; give raw readings with it. With the filters `"shisei"` and `"shisei-online"` a
+   * calibration that the estimator learnt is where it starts from; any other corrects the readings. */
+  calibration?: Calibration;
 }
 
 /** Attitudes of a recording, and how sure they are (1 sigma). */
@@ -159,7 +179,7 @@ export class Orientation {
   readonly sigmaTiltRad?: Float64Array;
   /** N, of the heading since the start; undefined with the classic filters. */
   readonly sigmaHeadingRad?: Float64Array;
-  /** Doubts about units and readings, a sentence each. */
+  /** Doubts about units, readings, the gravity, and a start without a heading, a sentence each. */
   readonly warnings: string[];
   /** N×3 yaw, pitch, roll: of the turn since the start in world axes (default) or in the sensor's axes at the start
    * (`"body"`), or of the attitude itself (`"none"`). */
@@ -170,7 +190,8 @@ export class Orientation {
  * measured there, starts from its attitude. */
 export function orient(readings: Recording | Readings, settings?: Settings): Orientation;
 
-/** Mahony's filter, one sample at a time. */
+/** Mahony's filter, one sample at a time. It holds memory of the module, which the collector of the engine gives back
+ * some time; `free()`, or `using mahony = new Mahony()`, at once. */
 export class Mahony {
   /** `start`: the attitude before the first sample, default 1, 0, 0, 0. */
   constructor(settings?: { start?: Numbers; kp?: number; ki?: number });
@@ -181,6 +202,9 @@ export class Mahony {
   readonly worldFromBody: Float64Array;
   /** The bias learnt so far (with ki > 0). */
   readonly gyroBiasRadS: Float64Array;
+  /** Gives its memory back; every later update throws. */
+  free(): void;
+  [Symbol.dispose](): void;
 }
 
 /** What the estimator knows (1 sigma). */
@@ -193,11 +217,16 @@ export interface State {
   rest: boolean;
 }
 
-/** The estimator, one sample at a time: starts in motion or at rest, learns the bias, says how sure it is. */
+/** The estimator, one sample at a time: starts in motion or at rest, learns the bias, says how sure it is. Its memory is
+ * given back as that of {@link Mahony}. */
 export class Estimator {
-  constructor(settings?: { gravityMS2?: number });
+  /** `calibration`: what is known of the sensor; give raw readings with it. */
+  constructor(settings?: { gravityMS2?: number; calibration?: Calibration });
   /** One sample, rad/s, m/s² and the time since the one before, s. */
   update(gyroRadS: Numbers, accMS2: Numbers, dtS: number): State;
   /** What is known now. */
   readonly state: State;
+  /** Gives its memory back; every later update throws. */
+  free(): void;
+  [Symbol.dispose](): void;
 }

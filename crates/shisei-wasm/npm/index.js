@@ -1,6 +1,6 @@
 // The public names; `index.d.ts` says what they take and give.
 import { DomainError, ShapeError, kindly, native, say } from "./state.js";
-import { Table, number, rate, rectangle, series, steps, table, vector } from "./table.js";
+import { Table, finiteVector, number, quaternion, rate, rectangle, series, steps, table, vector } from "./table.js";
 
 export { Table };
 export { ConditionError, DomainError, RecordingError, ShapeError } from "./state.js";
@@ -14,7 +14,8 @@ export const language = () => native().language();
 
 export function setLanguage(lang) {
   if (lang !== "en" && lang !== "ja") {
-    throw new DomainError(`the language is ${String(lang)}; it must be "en" or "ja"`);
+    throw new DomainError(say(`the language is ${String(lang)}; it must be "en" or "ja"`,
+      `言語が ${String(lang)} です。"en" か "ja" にしてください`));
   }
   native().setJapanese(lang === "ja");
 }
@@ -134,8 +135,8 @@ export class Orientation {
 }
 
 export function orient(readings, settings = {}) {
-  known(settings, ["filter", ...OF_FILTERS, "rest", "forward", "gravityMS2"], "orient");
-  const { filter = "shisei", rest = "auto", forward, gravityMS2 = GRAVITY_M_S2 } = settings;
+  known(settings, ["filter", ...OF_FILTERS, "rest", "forward", "gravityMS2", "calibration"], "orient");
+  const { filter = "shisei", rest = "auto", forward, gravityMS2 = GRAVITY_M_S2, calibration } = settings;
   if (!Object.hasOwn(FILTERS, filter)) {
     const names = Object.keys(FILTERS);
     throw new DomainError(say(`filter is ${String(filter)}; it must be one of ${names.join(", ")}`,
@@ -159,6 +160,7 @@ export function orient(readings, settings = {}) {
   const rows = restRows(rest, gyro.rows);
   return new Orientation(kindly((wasm) => wasm.orient(
     filter, given, gyro.data, acc.data, step, rest === "auto", rows, axis(forward), number(gravityMS2, "gravityMS2"),
+    calibrationText(calibration),
   )));
 }
 
@@ -181,7 +183,7 @@ function axis(forward) {
     return new Float64Array();
   }
   if (typeof forward !== "string") {
-    return vector(forward, 3, "forward");
+    return finiteVector(forward, 3, "forward");
   }
   if (!/^[+-]?[xyz]$/.test(forward)) {
     throw new DomainError(say(`forward is ${forward}; it must be +x, -x, +y, -y, +z, -z or three numbers`,
@@ -190,39 +192,85 @@ function axis(forward) {
   return Float64Array.from("xyz", (letter) => (forward.endsWith(letter) ? (forward[0] === "-" ? -1 : 1) : 0));
 }
 
+/** The text of a calibration file, from itself or from the object that it holds. */
+function calibrationText(calibration) {
+  if (calibration === undefined || typeof calibration === "string") {
+    return calibration;
+  }
+  if (typeof calibration !== "object" || calibration === null) {
+    throw new TypeError(say("calibration must be the text of a calibration file, or the object that it holds",
+      "calibration には、キャリブレーションファイルの文字列か、その内容のオブジェクトを指定してください"));
+  }
+  return JSON.stringify(calibration);
+}
+
+/** A filter of the module, until it is freed. */
+function running(filter) {
+  if (filter === undefined) {
+    throw new Error(say("free() was called; make a new one", "free() を呼んだ後は使えません。新しく作ってください"));
+  }
+  return filter;
+}
+
 export class Mahony {
   #filter;
+  #worldFromBody;
 
-  constructor({ start = IDENTITY, kp = 0.2, ki = 0 } = {}) {
-    const q = vector(start, 4, "start");
+  constructor(settings = {}) {
+    known(settings, ["start", "kp", "ki"], "Mahony");
+    const { start = IDENTITY, kp = 0.2, ki = 0 } = settings;
+    const q = quaternion(start, "start");
     this.#filter = kindly((wasm) => new wasm.MahonyFilter(q, number(kp, "kp"), number(ki, "ki")));
-    this.worldFromBody = sheet.NormalizeQuat(q);
+    this.#worldFromBody = sheet.NormalizeQuat(q);
   }
 
   update(gyroRadS, accMS2, dtS) {
     const [gyro, acc] = [vector(gyroRadS, 3, "gyroRadS"), vector(accMS2, 3, "accMS2")];
-    this.worldFromBody = kindly(() => this.#filter.update(gyro, acc, number(dtS, "dtS")));
+    this.#worldFromBody = kindly(() => running(this.#filter).update(gyro, acc, number(dtS, "dtS")));
     return this.worldFromBody;
   }
 
+  get worldFromBody() {
+    return this.#worldFromBody.slice();
+  }
+
   get gyroBiasRadS() {
-    return this.#filter.integralRadS().map((rate) => 0 - rate);
+    return running(this.#filter).integralRadS().map((rate) => 0 - rate);
+  }
+
+  free() {
+    this.#filter?.free();
+    this.#filter = undefined;
   }
 }
 
 export class Estimator {
   #filter;
 
-  constructor({ gravityMS2 = GRAVITY_M_S2 } = {}) {
-    this.#filter = kindly((wasm) => new wasm.EstimatorFilter(number(gravityMS2, "gravityMS2")));
+  constructor(settings = {}) {
+    known(settings, ["gravityMS2", "calibration"], "Estimator");
+    const { gravityMS2 = GRAVITY_M_S2, calibration } = settings;
+    this.#filter = kindly((wasm) => (
+      new wasm.EstimatorFilter(number(gravityMS2, "gravityMS2"), calibrationText(calibration))
+    ));
   }
 
   update(gyroRadS, accMS2, dtS) {
     const [gyro, acc] = [vector(gyroRadS, 3, "gyroRadS"), vector(accMS2, 3, "accMS2")];
-    return kindly(() => this.#filter.update(gyro, acc, number(dtS, "dtS")));
+    return kindly(() => running(this.#filter).update(gyro, acc, number(dtS, "dtS")));
   }
 
   get state() {
-    return this.#filter.state();
+    return running(this.#filter).state();
   }
+
+  free() {
+    this.#filter?.free();
+    this.#filter = undefined;
+  }
+}
+
+// `using live = new Estimator()`, where the language has it.
+if (Symbol.dispose) {
+  [Mahony, Estimator].forEach(({ prototype }) => { prototype[Symbol.dispose] = prototype.free; });
 }

@@ -4,6 +4,11 @@ import { DomainError, ShapeError, say } from "./state.js";
 /** Numbers row after row. */
 export class Table {
   constructor(data, rows, columns) {
+    const whole = [rows, columns].every((count) => Number.isInteger(count) && count >= 0);
+    if (!(data instanceof Float64Array && whole && data.length === rows * columns)) {
+      throw new ShapeError(say(`a Table takes a Float64Array of rows × columns numbers; there are ${data?.length} for ${rows} × ${columns}`,
+        `Table には rows × columns 個の数値の Float64Array が必要です (${rows} × ${columns} に対して ${data?.length} 個)`));
+    }
     this.data = data;
     this.rows = rows;
     this.columns = columns;
@@ -11,11 +16,13 @@ export class Table {
 
   /** A row, sharing the numbers. */
   row(k) {
+    within(k, this.rows, "row");
     return this.data.subarray(k * this.columns, (k + 1) * this.columns);
   }
 
   /** A column, copied. */
   column(k) {
+    within(k, this.columns, "column");
     return Float64Array.from({ length: this.rows }, (_, row) => this.data[row * this.columns + k]);
   }
 
@@ -23,6 +30,14 @@ export class Table {
     for (let k = 0; k < this.rows; k += 1) {
       yield this.row(k);
     }
+  }
+}
+
+/** Refuses a row or column that the table does not have. */
+function within(k, count, what) {
+  if (!(Number.isInteger(k) && k >= 0 && k < count)) {
+    throw new DomainError(say(`${what} ${String(k)} of a Table that has ${count}; they count from 0`,
+      `Table の ${what} は ${count} 個ですが、${String(k)} が指定されました (0 から数えます)`));
   }
 }
 
@@ -85,6 +100,26 @@ export function vector(value, length, name) {
       `${name} の数値は ${data.length} 個ですが、${length} 個でなければなりません`));
   }
   return data;
+}
+
+/** So many finite numbers. */
+export function finiteVector(value, length, name) {
+  const found = vector(value, length, name);
+  if (!found.every(Number.isFinite)) {
+    throw new DomainError(say(`${name} is ${found.join(", ")}; every number must be finite`,
+      `${name} が ${found.join(", ")} です。すべて有限の数値にしてください`));
+  }
+  return found;
+}
+
+/** w, x, y, z of a rotation, of any norm but zero. */
+export function quaternion(value, name) {
+  const found = finiteVector(value, 4, name);
+  if (found.every((part) => part === 0)) {
+    throw new DomainError(say(`${name} is zero and has no direction; give w, x, y, z of a rotation`,
+      `${name} がゼロで、向きが決まりません。回転を表す w, x, y, z を指定してください`));
+  }
+  return found;
 }
 
 /** One number. */

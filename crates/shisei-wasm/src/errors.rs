@@ -1,5 +1,6 @@
 //! A refusal as a JavaScript error with its full sentence.
 
+use shisei_core::Error as CoreError;
 use shisei_functions::{Error, Kind, Lang, last_error};
 use wasm_bindgen::prelude::*;
 
@@ -18,9 +19,13 @@ pub fn set_japanese(japanese: bool) {
     last_error::set_user_lang(if japanese { Lang::Ja } else { Lang::En });
 }
 
-/// The error met by `function`.
+/// The error met by `function` of the package.
 pub fn refusal(function: &str, error: impl Into<Error>) -> JsValue {
-    let error = error.into();
+    sheet_refusal(function, with_argument(error.into()))
+}
+
+/// The error met by a worksheet function.
+pub fn sheet_refusal(function: &str, error: Error) -> JsValue {
     let name = match error.kind() {
         Some(Kind::Shape) => "ShapeError",
         Some(Kind::Domain) => "DomainError",
@@ -28,6 +33,21 @@ pub fn refusal(function: &str, error: impl Into<Error>) -> JsValue {
         None => "Error",
     };
     named(name, &format!("{function}: {}", error.sentence(last_error::user_lang())))
+}
+
+/// With the package's name for a parameter of the core.
+fn with_argument(error: Error) -> Error {
+    let argument = |name| match name {
+        "dt" => "dtS",
+        "gravity" => "gravityMS2",
+        other => other,
+    };
+    match error {
+        Error::Core(CoreError::NotPositive { name, value }) => {
+            Error::Core(CoreError::NotPositive { name: argument(name), value })
+        }
+        other => other,
+    }
 }
 
 /// An error with a name, by which a program tells one kind from another.

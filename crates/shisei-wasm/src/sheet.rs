@@ -1,7 +1,7 @@
 //! The worksheet functions.
 
 use crate::arrays::table;
-use crate::errors::refusal;
+use crate::errors::sheet_refusal;
 use js_sys::{Array, Float64Array};
 use serde_json::{Value, json};
 use shisei_functions::{Arg, Error, FUNCTIONS, Function, Input, Output, Range, ReturnShape, Shape, VERSION};
@@ -28,8 +28,8 @@ pub fn functions() -> String {
 /// Calls function `index` of the table. An argument is a number, an array of numbers, rows and columns, or undefined.
 #[wasm_bindgen]
 pub fn call(index: usize, given: Vec<JsValue>) -> Result<JsValue, JsValue> {
-    let function = FUNCTIONS.get(index).ok_or_else(|| refusal("call", Error::Internal))?;
-    let refuse = |error: Error| refusal(function.name, error);
+    let function = FUNCTIONS.get(index).ok_or_else(|| sheet_refusal("call", Error::Internal))?;
+    let refuse = |error: Error| sheet_refusal(function.name, error);
     let tables: Vec<Option<(Vec<f64>, usize, usize)>> = given.iter().map(rectangle).collect();
     let inputs: Vec<Input<'_>> = given
         .iter()

@@ -1,7 +1,7 @@
 // The package as users get it, in Node: SHISEI_PACKAGE is its folder, SHISEI the command line to compare with.
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync } from "node:fs";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";
@@ -117,6 +117,77 @@ test("one sample at a time has the bits of many", () => {
   assert.deepEqual(estimator.state, states.at(-1));
 });
 
+test("a table has the rows and columns that it has", () => {
+  const table = new Table(Float64Array.of(1, 2, 3, 4, 5, 6), 2, 3);
+  assert.deepEqual([[...table.row(1)], [...table.column(2)], [...table].length], [[4, 5, 6], [3, 6], 2]);
+  for (const beyond of [() => table.column(3), () => table.column(-1), () => table.row(2), () => table.row(0.5), () => table.row()]) {
+    assert.throws(beyond, DomainError);
+  }
+});
+
+test("what an update gives is the caller's", () => {
+  const mahony = new shisei.Mahony();
+  const q = mahony.update([0, 0, 1], [0, 0, 9.8], 0.01);
+  const kept = [...q];
+  q[0] = -99;
+  mahony.worldFromBody[1] = -99;
+  assert.deepEqual([...mahony.worldFromBody], kept);
+  const estimator = new shisei.Estimator();
+  estimator.state.worldFromBody[0] = -99;
+  assert.equal(estimator.state.worldFromBody[0], 1);
+});
+
+test("a filter can be freed, once or twice, and is then of no use", () => {
+  for (const filter of [new shisei.Mahony(), new shisei.Estimator()]) {
+    filter.free();
+    filter.free();
+    assert.throws(() => filter.update([0, 0, 0], [0, 0, 9.8], 0.01), /free\(\) was called/);
+  }
+  if (Symbol.dispose) {
+    const filter = new shisei.Estimator();
+    filter[Symbol.dispose]();
+    assert.throws(() => filter.state, /free\(\) was called/);
+  }
+});
+
+test("a calibration gives the bits of the command line", () => {
+  const folder = mkdtempSync(join(tmpdir(), "shisei-js-"));
+  try {
+    const [path, learnt] = [join(folder, "cal.json"), join(folder, "learnt.json")];
+    const calibration = {
+      format: "shisei-calibration",
+      version: 1,
+      accelerometer: { bias_m_s2: [0.012345678901234567, -0.1 / 3, 1e-7 / 3], matrix: [[1 + 1e-3 / 3, 0, 0], [0, 0.99123, 0], [0, 0, 1]] },
+      gyroscope: { bias_rad_s: [1e-3 / 7, 0, 0], matrix: [[1, 0, 0], [0, 1, 0], [0, 0, 1]] },
+    };
+    writeFileSync(path, JSON.stringify(calibration));
+    const recording = readRecording(file("pelvis.csv"));
+    const run = (more) => {
+      const csv = join(folder, "out.csv");
+      execFileSync(process.env.SHISEI, ["orient", "examples/pelvis.csv", "--no-report", "-o", csv, ...more], { cwd: root, stdio: "ignore" });
+      return readFileSync(csv, "utf8").trim().split("\n").slice(1).map((line) => line.split(",").slice(1, 5).map(Number));
+    };
+    run(["--save-calibration", learnt]);
+    const text = readFileSync(learnt, "utf8");
+    for (const [filter, from, given] of [["shisei", path, calibration], ["mahony", path, JSON.stringify(calibration)], ["shisei", learnt, text], ["mahony", learnt, text]]) {
+      const expected = run(["--filter", filter, "--calibration", from]);
+      const found = orient(recording, { filter, calibration: given });
+      assert.deepEqual([...found.worldFromBody].map((row) => [...row]), expected, `${filter} ${from}`);
+    }
+    const [plain, known] = [{}, { calibration }].map((settings) => new shisei.Estimator(settings).update([0, 0, 0.1], [0.3, 0.2, 9.8], 0.01));
+    assert.notDeepEqual(plain.worldFromBody, known.worldFromBody);
+  } finally {
+    rmSync(folder, { recursive: true });
+  }
+});
+
+test("a start without a heading and another planet's gravity are said", () => {
+  const recording = readRecording(file("pelvis.csv"));
+  assert.match(orient(recording).warnings.join(), /forward -z/);
+  assert.deepEqual(orient(recording, { forward: "z" }).warnings, []);
+  assert.match(orient(recording, { forward: "z", gravityMS2: 8 }).warnings.join(), /^gravityMS2 8 is not found on the Earth/);
+});
+
 test("refusals have a kind and a sentence, in both languages", () => {
   const readings = { ...level(300), rateHz: 100 };
   const refusals = [
@@ -147,6 +218,17 @@ test("refusals have a kind and a sentence, in both languages", () => {
     [ConditionError, () => orient({ ...level(20), rateHz: 100 }, { filter: "mahony" })],
     [RecordingError, () => readRecording({ name: "a.csv", bytes: new TextEncoder().encode("a,b\n1,2\n") })],
     [DomainError, () => new shisei.Mahony({ kp: -1 })],
+    [TypeError, () => new shisei.Mahony({ Kp: 5 })],
+    [TypeError, () => new shisei.Estimator({ gravity: 5 })],
+    [DomainError, () => new shisei.Mahony({ start: [0, 0, 0, 0] })],
+    [DomainError, () => new shisei.Estimator({ gravityMS2: 0 })],
+    [DomainError, () => orient(readings, { forward: [0, 0, NaN] })],
+    [DomainError, () => orient(readings, { calibration: {} })],
+    [DomainError, () => new shisei.Estimator({ calibration: "{}" })],
+    [TypeError, () => orient(readings, { calibration: 5 })],
+    [DomainError, () => shisei.setLanguage("fr")],
+    [ShapeError, () => new Table(new Float64Array(4), 4 / 3, 3)],
+    [DomainError, () => new Table(new Float64Array(3), 1, 3).column(3)],
   ];
   for (const [Kind, refused] of refusals) {
     const sentences = ["en", "ja"].map((lang) => {

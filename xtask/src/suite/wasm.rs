@@ -37,6 +37,12 @@ pub const SUITE: Suite = Suite {
 
 const TESTS: &str = "crates/shisei-wasm/tests";
 
+/// Files that use the package's types, and what else TypeScript is to know.
+const TYPES: [(&str, &str, &str); 2] = [
+    ("the package's types in Node", "types.mts", "es2022"),
+    ("the package's types in a browser", "types-browser.mts", "es2022,esnext.disposable,dom"),
+];
+
 fn run(run: &mut Run<'_>) {
     heading("digest on wasm32");
     digests::compare(run, WASM32.triple, under_node(run.project));
@@ -60,7 +66,9 @@ fn run(run: &mut Run<'_>) {
     };
     run.tests("the package under Node", &mut node("package.test.mjs"), tally::node);
     run.tests("the package in Chromium", &mut node("browser.mjs"), tally::closing_line);
-    run.step("the package's types", &mut types(project, &package));
+    for (name, file, library) in TYPES {
+        run.step(name, &mut types(project, &package, file, library));
+    }
 }
 
 fn digest(project: &Project) -> Result<(), String> {
@@ -74,7 +82,7 @@ fn under_node(project: &Project) -> Result<String, String> {
     output_within(&mut node, Duration::from_secs(120))
 }
 
-/// Installs the package into a folder of its own, with a file that uses its types beside it; gives where it is.
+/// Installs the package into a folder of its own, with the files that use its types beside it; gives where it is.
 fn installed(project: &Project, package: &Path) -> Result<PathBuf, String> {
     let folder = project.target().join("npm-user");
     let _ = std::fs::remove_dir_all(&folder); // an older package must not stay
@@ -82,17 +90,18 @@ fn installed(project: &Project, package: &Path) -> Result<PathBuf, String> {
     let mut npm = project.command("npm");
     npm.args(["install", "--silent", "--no-audit", "--no-fund", "--offline", "--prefix"]).arg(&folder);
     must(npm.arg(package))?;
-    let types = project.root.join(TESTS).join("types.mts");
-    std::fs::copy(&types, folder.join("types.mts"))
-        .map_err(|error| format!("{}: {error}", types.display()))?;
+    for (_, file, _) in TYPES {
+        let types = project.root.join(TESTS).join(file);
+        std::fs::copy(&types, folder.join(file)).map_err(|error| format!("{}: {error}", types.display()))?;
+    }
     Ok(folder.join("node_modules/shisei"))
 }
 
-fn types(project: &Project, package: &Path) -> Command {
+fn types(project: &Project, package: &Path, file: &str, library: &str) -> Command {
     let mut tsc = project.command("node");
     tsc.arg(project.target().join("npm/node_modules/typescript/bin/tsc"));
     tsc.args(["--noEmit", "--strict", "--exactOptionalPropertyTypes", "--target", "es2022"]);
-    tsc.args(["--lib", "es2022,dom", "--module", "nodenext"]);
-    tsc.arg(package.join("../../types.mts"));
+    tsc.args(["--lib", library, "--module", "nodenext"]);
+    tsc.arg(package.join("../..").join(file));
     tsc
 }
