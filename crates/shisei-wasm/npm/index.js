@@ -95,7 +95,7 @@ export function readRecording(files, options = {}) {
 
 /** Refuses what is no object of options, and options that there are not. */
 function known(options, names, where) {
-  if (typeof options !== "object" || options === null) {
+  if (typeof options !== "object" || options === null || Array.isArray(options)) {
     throw new TypeError(say(`${where}: options are given as an object`, `${where}：指定はオブジェクトで渡してください`));
   }
   const strange = Object.keys(options).find((name) => !names.includes(name));

@@ -140,6 +140,8 @@ export function rate(value) {
   return value;
 }
 
+const usable = (step) => step > 0 && step < Infinity;
+
 /** The step, from the one of `rateHz`, `timeS` and `dtS` that is given: one number, or one a sample. */
 export function steps(rows, { rateHz, timeS, dtS }) {
   if ([rateHz, timeS, dtS].filter((given) => given !== undefined).length !== 1) {
@@ -149,7 +151,13 @@ export function steps(rows, { rateHz, timeS, dtS }) {
     return Float64Array.of(1 / rate(rateHz));
   }
   if (dtS !== undefined) {
-    return typeof dtS === "number" ? Float64Array.of(dtS) : vector(dtS, rows, "dtS");
+    const step = typeof dtS === "number" ? Float64Array.of(dtS) : vector(dtS, rows, "dtS");
+    const wrong = step.findIndex((length) => !usable(length));
+    if (wrong >= 0) {
+      throw new DomainError(say(`dtS must be finite and greater than 0; row ${wrong + 1} is ${step[wrong]}`,
+        `dtS は 0 より大きい有限の数値でなければなりません。${wrong + 1} 行目が ${step[wrong]} です`));
+    }
+    return step;
   }
   const time = vector(timeS, rows, "timeS");
   if (rows < 2) {
@@ -157,7 +165,7 @@ export function steps(rows, { rateHz, timeS, dtS }) {
       "timeS には 2 サンプル以上が必要です。1 サンプルなら rateHz を指定してください"));
   }
   const step = time.map((at, k) => at - time[k - 1]);
-  const row = step.findIndex((length, k) => k > 0 && !(length > 0));
+  const row = step.findIndex((length, k) => k > 0 && !usable(length));
   if (row > 0) {
     throw new DomainError(say(`timeS must rise from row to row; row ${row + 1} is ${time[row]} after ${time[row - 1]}`,
       `timeS は行ごとに増えなければなりません。${row + 1} 行目は ${time[row - 1]} の次が ${time[row]} です`));

@@ -8,7 +8,7 @@ use shisei_core::calibration::Calibration;
 use shisei_core::estimator::{Calibration as Learnt, Estimator, Sample, Settings, State};
 use shisei_core::filter::{AdaptiveGain, Dt, Mahony};
 use shisei_core::orient::{self as whole, Method, Relative, RestChoice};
-use shisei_core::{Quaternion, Vec3};
+use shisei_core::{Error, Lang, Quaternion, Vec3};
 use shisei_functions::last_error::user_lang;
 use shisei_record::calibration::CalibrationFile;
 use wasm_bindgen::prelude::*;
@@ -99,7 +99,10 @@ pub fn orient(
         Some(correct) => corrected(&correct, acc, gyro)
             .and_then(|(acc, gyro)| whole::orient(&acc, &gyro, &each, &settings)),
     };
-    let found = found.map_err(|error| refusal("orient", error))?;
+    let found = found.map_err(|error| match error {
+        Error::TooFewPoints { given, needed } => short_rest(given, needed),
+        other => refusal("orient", other),
+    })?;
     let quaternions: Vec<[f64; 4]> = found.world_from_body.iter().map(|q| q.to_array()).collect();
     // Raw readings may be of any size.
     let mut doubts = if calibration.is_some() { Vec::new() } else { shisei_record::doubts(acc, gyro, &each) };
@@ -118,6 +121,18 @@ pub fn orient(
             .numbers("sigmaHeadingRad", &certainty.sigma_heading_rad);
     }
     Ok(parts.object())
+}
+
+fn short_rest(given: usize, needed: usize) -> JsValue {
+    let sentence = match user_lang() {
+        Lang::En => {
+            format!("orient: the rest has {given} samples and {needed} are needed; give a longer one")
+        }
+        Lang::Ja => format!(
+            "orient: 静止区間が {given} サンプルしかありません ({needed} 以上必要)。もっと長い区間を指定してください"
+        ),
+    };
+    named("ConditionError", &sentence)
 }
 
 /// Yaw, pitch, roll of attitudes of unit norm, relative to the start in "world" or "body" axes, or themselves ("none").
