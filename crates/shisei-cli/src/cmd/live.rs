@@ -23,6 +23,7 @@ use super::ports::stop_flag;
 use crate::args_live::Live;
 use crate::demo::Demo;
 use crate::fail::{Failure, Outcome, say};
+use crate::output::unwritable;
 
 /// Where the viewer is unless said otherwise.
 const PORT: u16 = 7399;
@@ -49,9 +50,22 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
         let (node, body) = pair.split_once('=').ok_or_else(|| wrong("--pair", lang))?;
         Ok((node.to_owned(), body.to_owned()))
     });
+    let pairs: Vec<(String, String)> = pairs.collect::<Outcome<_>>()?;
+    let twice =
+        |(k, (node, _)): (usize, &(String, String))| pairs[..k].iter().any(|(earlier, _)| earlier == node);
+    if pairs.iter().enumerate().any(twice) {
+        return Err(Failure::input(say(
+            lang,
+            "a node is in two --pair; say one body for each",
+            "--pair に同じノードが 2 回あります。ノードごとに剛体を 1 つ指定してください",
+        )));
+    }
+    if args.for_s.is_some_and(|seconds| !(seconds.is_finite() && seconds >= 0.0)) {
+        return Err(wrong("--for", lang));
+    }
     let settings = Settings {
         axes: if args.demo { Axes::YUp } else { Axes::from_name(&args.optical_axes).unwrap_or(Axes::YUp) },
-        pairs: pairs.collect::<Outcome<_>>()?,
+        pairs,
         record: args.record.clone().unwrap_or_else(|| PathBuf::from(RECORDING)),
         record_now: args.record.is_some(),
         lag_s: args.lag,
@@ -60,7 +74,7 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
         ..Settings::default()
     };
     let stop = stop_flag();
-    if let Some(for_s) = args.for_s.filter(|s| s.is_finite() && *s >= 0.0) {
+    if let Some(for_s) = args.for_s {
         let stop = Arc::clone(&stop);
         std::thread::spawn(move || {
             std::thread::sleep(Duration::from_secs_f64(for_s.min(1e6)));
@@ -70,19 +84,17 @@ pub fn run(args: Live, lang: Lang) -> Outcome<()> {
     let (address, file) = (parts.access.address, settings.record.clone());
     let mut door = Terminal { as_json: args.json, lang };
     let hub = run_hub(settings, parts, &stop, &mut door).map_err(|refused| match refused {
+        Refused::Address(error) if error.kind() == io::ErrorKind::AddrInUse => Failure::input(say(
+            lang,
+            format!("{address} is in use already, perhaps by another shisei live; choose another port with --listen 127.0.0.1:PORT"),
+            format!("{address} は、別の shisei live などで使われています。--listen 127.0.0.1:PORT で別のポートを指定してください"),
+        )),
         Refused::Address(error) => Failure::input(say(
             lang,
             format!("{address}: {error}; choose another port with --listen 127.0.0.1:PORT"),
             format!("{address}：{error}。--listen 127.0.0.1:PORT で別のポートを指定してください"),
         )),
-        Refused::Recording(error) => {
-            let file = file.display();
-            Failure::input(say(
-                lang,
-                format!("{file} could not be written ({error}); choose another place with --record"),
-                format!("{file} に書き込めませんでした ({error})。--record で別の場所を指定してください"),
-            ))
-        }
+        Refused::Recording(error) => Failure::input(unwritable(&file.display().to_string(), &error, lang)),
     })?;
     let (lost, samples) = hub.losses();
     eprintln!(

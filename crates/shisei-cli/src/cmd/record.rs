@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, IsTerminal, Read, Write};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
@@ -18,6 +18,8 @@ use super::ports::{Feed, Got, no_port, stop_flag};
 use crate::args_live::Record;
 use crate::fail::{Failure, Outcome, say};
 
+/// How a file in MCAP begins.
+const MCAP: &[u8; 6] = b"\x89MCAP0";
 /// What was recorded is handed to the system at least this often: it survives the end of this process.
 const FLUSH: Duration = Duration::from_millis(400);
 /// And after so many bytes of the port: a file's come faster than any receiver's.
@@ -31,6 +33,18 @@ const RETRY: Duration = Duration::from_millis(300);
 
 /// Runs the command.
 pub fn run(args: &Record, lang: Lang) -> Outcome<()> {
+    if is_recording(&args.port) {
+        let port = &args.port;
+        return Err(Failure::input(say(
+            lang,
+            format!(
+                "{port} is a recording already; give it to shisei orient, or play it with shisei live --replay {port}"
+            ),
+            format!(
+                "{port} はすでに記録です。shisei orient に指定するか、shisei live --replay {port} で再生してください"
+            ),
+        )));
+    }
     let mut feed = Feed::open(&args.port).map_err(|error| no_port(&args.port, &error, lang))?;
     let file = create(&args.output, args.force, lang)?;
     let handle = file.try_clone().map_err(|error| unwritable(args, &error, lang))?;
@@ -58,6 +72,13 @@ pub fn run(args: &Record, lang: Lang) -> Outcome<()> {
         )));
     }
     Ok(())
+}
+
+/// True for a file in MCAP: no bytes of a port.
+fn is_recording(port: &str) -> bool {
+    let is_file = Path::new(port).is_file();
+    let mut head = [0; MCAP.len()];
+    is_file && File::open(port).and_then(|mut file| file.read_exact(&mut head)).is_ok() && head == *MCAP
 }
 
 fn create(path: &Path, force: bool, lang: Lang) -> Outcome<File> {

@@ -230,3 +230,18 @@ fn what_the_report_of_a_motion_doubts_is_said_in_the_terminal_too() {
     assert!(ran.stderr.contains(sentence), "{}", ran.stderr);
     assert!(desk.text("cut.motion.html").contains(sentence));
 }
+
+#[test]
+fn live_for_less_than_no_time_or_with_a_sensor_in_two_places() {
+    check_refused(&["live", "--demo", "--for", "-1"], &["--for"]);
+    check_refused(&["live", "--demo", "--pair", "node 0=Wand", "--pair", "node 0=Board"], &["--pair", "two"]);
+}
+
+#[test]
+fn a_recording_is_not_recorded_as_bytes() {
+    let desk = Desk::new();
+    desk.put("take.mcap", b"\x89MCAP0\r\n and more");
+    let ran = desk.run(&["record", "take.mcap", "-o", "again.mcap", "--lang", "en"]);
+    assert!(ran.code == 2 && ran.stderr.contains("a recording already"), "{}", ran.stderr);
+    assert_eq!(desk.names(), ["take.mcap"]);
+}

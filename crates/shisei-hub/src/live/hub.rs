@@ -107,6 +107,8 @@ pub struct Hub {
     /// Mounting of bodies' sensors as it was given, by the body's name.
     pub(super) known: BTreeMap<String, Mounting>,
     pub(super) started: Instant,
+    /// That pairs name what is not there has been told.
+    pub(super) pairs_doubted: bool,
     pub(super) ended_inputs: usize,
     pub(super) shown_at: Instant,
     pub(super) status_at: Option<Instant>,
@@ -151,6 +153,7 @@ impl Hub {
             namings: Vec::new(),
             known: BTreeMap::new(),
             started: now,
+            pairs_doubted: false,
             ended_inputs: 0,
             shown_at: now,
             status_at: None,

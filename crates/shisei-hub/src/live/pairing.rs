@@ -17,6 +17,8 @@ const AGAIN: Duration = Duration::from_secs(4);
 const CLOCKS: Duration = Duration::from_secs(15);
 /// After so many searches near the arrivals' offset the whole past is searched.
 const TRIES: u32 = 3;
+/// By then nodes and bodies that pairs name have been heard of.
+const HEARD: Duration = Duration::from_secs(10);
 
 impl Hub {
     /// Nodes whose body was said.
@@ -34,6 +36,30 @@ impl Hub {
         }
     }
 
+    /// Says once which names of pairs no node and no body has.
+    fn doubt_pairs(&mut self, now: Instant) {
+        if self.pairs_doubted || now.saturating_duration_since(self.started) < HEARD {
+            return;
+        }
+        self.pairs_doubted = true;
+        let mut unknown = Vec::new();
+        for (name, body) in &self.settings.pairs {
+            if !self.nodes.iter().any(|node| *name == node.own_name || *name == node.name) {
+                unknown.push((name.clone(), "node", "ノード"));
+            }
+            if !self.scene.objects().any(|object| object.name == *body) {
+                unknown.push((body.clone(), "body", "剛体"));
+            }
+        }
+        for (name, en, ja) in unknown {
+            self.note(Note::new(
+                Level::Warning,
+                format!("no {en} is called {name}, which --pair names"),
+                format!("--pair で指定された {name} という名前の{ja}はありません"),
+            ));
+        }
+    }
+
     /// Asks the learner for what is not known, takes its answers.
     pub(super) fn learn(&mut self, now: Instant) {
         if let Some(answer) = self.learner.answer() {
@@ -43,6 +69,7 @@ impl Hub {
             return;
         }
         self.pair_by_name();
+        self.doubt_pairs(now);
         let taken: Vec<BodyKey> =
             self.nodes.iter().filter(|node| node.merger.is_some()).filter_map(|node| node.body).collect();
         let free: Vec<BodyKey> = self
@@ -86,6 +113,18 @@ impl Hub {
         let Some(node) = self.nodes.get_mut(index) else { return };
         let Some(found) = found else {
             node.tries = node.tries.saturating_add(1);
+            let said =
+                self.settings.pairs.iter().find(|(name, _)| *name == node.own_name || *name == node.name);
+            if node.tries == TRIES + 2
+                && node.merger.is_none()
+                && let Some((name, body)) = said.cloned()
+            {
+                self.note(Note::new(
+                    Level::Warning,
+                    format!("{name} does not move as {body}, on which --pair says it is"),
+                    format!("{name} の動きが、--pair で指定された {body} と一致しません"),
+                ));
+            }
             return;
         };
         // what has been forgotten meanwhile is not to be brought back
