@@ -9,7 +9,7 @@ use shisei_record::{Input, Options, Problem, Recording, Stream};
 
 use crate::args::Reading;
 use crate::fail::{Exit, Failure, Outcome, say};
-use crate::output;
+use crate::{ours, output};
 
 /// A line longer than this is no recording's line; checked before a whole file is read.
 const LONGEST_LINE: usize = 1 << 20;
@@ -100,10 +100,7 @@ fn recordings_in(directory: &Path, lang: Lang) -> Outcome<Vec<PathBuf>> {
     for entry in std::fs::read_dir(directory).map_err(unreadable)? {
         let path = entry.map_err(unreadable)?.path();
         let ending = path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default();
-        if path.is_file()
-            && ENDINGS.contains(&ending.as_str())
-            && !output::is_orientation(&output::head(&path))
-        {
+        if path.is_file() && ENDINGS.contains(&ending.as_str()) && !ours::is_orientation(&path) {
             found.push(path);
         }
     }

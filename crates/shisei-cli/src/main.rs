@@ -17,6 +17,7 @@ mod fuse_inputs;
 mod fuse_report;
 mod input;
 mod lang;
+mod ours;
 mod outgoing;
 mod output;
 mod summary;

@@ -2,118 +2,14 @@
 
 use std::collections::HashSet;
 use std::fs::File;
-use std::io::{self, BufWriter, Read, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use shisei_core::Lang;
 
 use crate::fail::{Failure, Outcome, say};
+pub use crate::ours::Kind;
 use crate::outgoing::Outgoing;
-
-/// What lets an existing file be overwritten without `--force`: it is our own earlier output.
-#[derive(Clone, Copy, Debug)]
-pub enum Kind {
-    /// CSV with the orientation columns.
-    Orientation,
-    /// CSV with the recording columns.
-    Recording,
-    /// A report page.
-    Html,
-    /// A plot.
-    Png,
-    /// A calibration.
-    Calibration,
-    /// A table as Parquet; its footer says who made it.
-    Parquet,
-    /// CSV with the motion columns.
-    Motion,
-    /// CSV with the fused columns.
-    Fused,
-    /// A take as Motive's CSV: never known to be ours.
-    Motive,
-    /// OpenSim's orientations.
-    Sto,
-    /// OpenSim's motion.
-    Mot,
-    /// Binary glTF.
-    Glb,
-    /// A fused take as MCAP.
-    Mcap,
-    /// Another table: Allan curves, directions.
-    Table,
-    /// The bytes of a receiver: never known to be ours.
-    Bytes,
-}
-
-/// Endings that promise a format, ours and others'.
-const PROMISES: &[&str] = &[
-    "bin", "csv", "txt", "tsv", "parquet", "html", "htm", "png", "svg", "jpg", "jpeg", "pdf", "json", "sto",
-    "mot", "glb", "gltf", "mcap", "xlsx", "xlsm", "xls", "ods", "mat", "npy", "npz", "h5", "gz", "zip",
-    "bz2", "xz", "zst",
-];
-
-impl Kind {
-    /// Endings that promise what is written.
-    fn endings(self) -> &'static [&'static str] {
-        match self {
-            Kind::Orientation | Kind::Recording => &["csv", "parquet", "txt"],
-            Kind::Motion | Kind::Table | Kind::Fused | Kind::Motive => &["csv", "txt"],
-            Kind::Html => &["html", "htm"],
-            Kind::Png => &["png"],
-            Kind::Calibration => &["json"],
-            Kind::Parquet => &["parquet"],
-            Kind::Sto => &["sto"],
-            Kind::Mot => &["mot"],
-            Kind::Glb => &["glb"],
-            Kind::Mcap => &["mcap"],
-            Kind::Bytes => &["bin"],
-        }
-    }
-
-    /// Whether a file's name promises another format.
-    fn is_promised_otherwise(self, path: &Path) -> bool {
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        ending.is_some_and(|ending| {
-            PROMISES.contains(&ending.as_str()) && !self.endings().contains(&ending.as_str())
-        })
-    }
-
-    fn is_ours(self, head: &[u8]) -> bool {
-        let has = |needle: &str| head.windows(needle.len()).any(|window| window == needle.as_bytes());
-        match self {
-            Kind::Orientation => is_orientation(head),
-            Kind::Recording => head.starts_with(b"time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z"),
-            Kind::Html => has("name=\"generator\" content=\"shisei"),
-            Kind::Png => head.starts_with(b"\x89PNG") && has("shisei"),
-            Kind::Motion => head.starts_with(b"time_s,vel_x,vel_y,vel_z,pos_x,pos_y,pos_z,sigma_pos_m"),
-            Kind::Table => {
-                head.starts_with(b"axis,tau_s,deviation,") || head.starts_with(b"gyr_x,gyr_y,gyr_z,sigma_x,")
-            }
-            Kind::Fused => head.starts_with(b"frame,time_s,p_x,p_y,p_z,q_w,q_x,q_y,q_z,source,gap_s,"),
-            Kind::Motive | Kind::Bytes => false,
-            Kind::Sto => head.starts_with(b"DataRate=") && has("DataType=Quaternion"),
-            Kind::Mot => has("inDegrees=yes") && has("_tx\t"),
-            Kind::Glb => head.starts_with(b"glTF") && has("\"generator\":\"shisei"),
-            Kind::Mcap => head.starts_with(b"\x89MCAP0\r\n") && has("shisei "),
-            Kind::Calibration => has("\"shisei-calibration\""),
-            Kind::Parquet => head.starts_with(b"PAR1"),
-        }
-    }
-}
-
-/// True for the first bytes of a file that `orient` wrote.
-pub fn is_orientation(head: &[u8]) -> bool {
-    head.starts_with(b"time_s,q_w,q_x,q_y,q_z,")
-}
-
-/// The first bytes of a file, as far as they can be read.
-pub fn head(path: &Path) -> Vec<u8> {
-    let mut bytes = vec![0; 4096];
-    // An unreadable head counts as not ours, which is the safe answer.
-    let length = File::open(path).and_then(|mut file| file.read(&mut bytes)).unwrap_or(0);
-    bytes.truncate(length);
-    bytes
-}
 
 /// Where and how results may be written.
 #[derive(Clone, Debug)]
@@ -191,14 +87,14 @@ impl Writer {
                 format!("{shown} は入力ファイルのため上書きしません。別のファイル名を指定してください"),
             )));
         }
-        if !self.force && !kind.is_ours(&head(path)) {
+        if !self.force && !kind.is_ours(path) {
             return Err(Failure::input(say(
                 lang,
                 format!(
-                    "{shown} exists and was not written by shisei; name another file, or overwrite it with --force"
+                    "{shown} exists and is not a result of shisei of this kind; name another file, or overwrite it with --force"
                 ),
                 format!(
-                    "{shown} は既に存在し、shisei の出力ではありません。別名にするか、--force で上書きしてください"
+                    "{shown} は既に存在し、shisei のこの種類の出力ではありません。別名にするか、--force で上書きしてください"
                 ),
             )));
         }

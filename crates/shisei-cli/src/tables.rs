@@ -5,8 +5,8 @@ use std::path::Path;
 
 use shisei_core::orient::{Later, Orientation};
 use shisei_core::{Error, Quaternion};
-use shisei_record::Recording;
 use shisei_record::write::{self, Column, Decimals, Made};
+use shisei_record::{Note, Recording};
 use shisei_wide::Vectors;
 
 use crate::output::Kind;
@@ -43,6 +43,33 @@ pub fn recording(out: &mut dyn Write, format: Format, recording: &Recording) -> 
     }
 }
 
+/// Names of the orientation columns; `unit` is that of the angles in names.
+pub fn orientation_names(unit: &str, certain: bool) -> Vec<String> {
+    let mut names = ["time_s", "q_w", "q_x", "q_y", "q_z"].map(str::to_owned).to_vec();
+    names.extend(["yaw", "pitch", "roll"].map(|name| format!("{name}_{unit}")));
+    if certain {
+        names.extend(["sigma_tilt", "sigma_heading"].map(|name| format!("{name}_{unit}")));
+        names.push("rest".to_owned());
+    }
+    names
+}
+
+/// Says of each kept column whose name is one of ours, or of another, what it is called in the result.
+pub fn note_renamed(recording: &mut Recording, ours: &[&str]) {
+    let names = write::kept_names(ours, &recording.extra);
+    let renamed = recording.extra.iter().zip(names).filter(|(extra, name)| extra.name != *name);
+    recording.assumptions.extend(renamed.map(|(extra, name)| {
+        let own = &extra.name;
+        Note::new(
+            "renamed",
+            format!(
+                "the input's column {own} is called {name} in the result, which has another column {own}"
+            ),
+            format!("入力の列 {own} は、結果に同名の列があるため {name} として残します"),
+        )
+    }));
+}
+
 /// Writes `time_s, q_w … q_z, yaw, pitch, roll`, how sure the estimator is, and the kept columns of the input.
 /// Angles are in the unit of `unit`: its name in the columns' names, and how many of it are a radian.
 pub fn orientation(
@@ -53,9 +80,9 @@ pub fn orientation(
     (unit, per_rad): (&str, f64),
 ) -> io::Result<AngleRanges> {
     let mut rows = Rows::of(found, later, per_rad);
-    let with_unit = |name: &str| format!("{name}_{unit}");
-    let angle_names = ["yaw", "pitch", "roll"].map(with_unit);
-    let sigma_names = ["sigma_tilt", "sigma_heading"].map(with_unit);
+    let names = orientation_names(unit, found.certainty.is_some());
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let kept = write::kept_names(&names, &recording.extra);
     let sigmas = found
         .certainty
         .as_ref()
@@ -67,25 +94,18 @@ pub fn orientation(
                 }
             }
         });
-    let mut names = vec!["time_s", "q_w", "q_x", "q_y", "q_z"];
-    names.extend(angle_names.iter().map(String::as_str));
     let before = [Column::Numbers(&recording.time_s)];
     let mut after = Vec::new();
     if let Some(certainty) = &found.certainty {
-        names.extend(sigma_names.iter().map(String::as_str));
         after.extend(sigmas.iter().map(|fill| Column::Computed { rows: recording.len(), fill }));
-        names.push("rest");
         after.push(Column::Flags(&certainty.rest));
     }
-    for extra in &recording.extra {
-        names.push(&extra.name);
-        after.push(Column::Texts(&extra.cells));
-    }
+    after.extend(recording.extra.iter().map(|extra| Column::Texts(&extra.cells)));
     match format {
         Format::Csv => {
             let mut next = |out: &mut [f64], length: usize| rows.next(out, length);
             let mut made = Made { rows: recording.len(), columns: COLUMNS, next: &mut next };
-            write::csv_made(out, &names, (&before, &mut made, &after), Decimals::Shortest)?;
+            write::csv_made(out, (&names, &kept), (&before, &mut made, &after), Decimals::Shortest)?;
         }
         Format::Parquet => {
             let mut made = vec![0.0; recording.len() * COLUMNS];
@@ -97,6 +117,7 @@ pub fn orientation(
                 offset,
             }));
             columns.extend(after);
+            let names: Vec<&str> = names.iter().copied().chain(kept.iter().map(String::as_str)).collect();
             let mut bytes = Vec::new();
             shisei_record::parquet_write::parquet(&mut bytes, &names, &columns)?;
             out.write_all(&bytes)?;

@@ -26,7 +26,7 @@ pub struct Options {
     pub skip_bad_rows: bool,
     /// Give raw counts as they are (for a calibration that takes counts).
     pub counts_ok: bool,
-    /// Names of further columns to keep; `*` for all.
+    /// Names of further columns to keep; `*` for all that nothing else is read from.
     pub keep: Vec<String>,
     /// Dialect to use by its id, instead of the one recognised.
     pub dialect: Option<String>,
@@ -196,7 +196,7 @@ impl Permutation {
 impl AxisMap {
     /// Reads `--axes`.
     pub fn parse(text: &str) -> Result<Self> {
-        let fail = || Error::of_option("--axes", text, "x,-y,-z or acc=-x,-y,-z;gyr=x,y,z");
+        let fail = || Error::of_option("--axes", text, "x,-y,-z, acc=-x,-y,-z;gyr=x,y,z");
         if !text.contains('=') {
             let both = Permutation::parse(text).ok_or_else(fail)?;
             return Ok(AxisMap { acc: both, gyro: both });
@@ -284,7 +284,7 @@ impl Columns {
 impl Scale {
     /// Reads `--scale`: `acc=16384,gyr=131` or `16384,131`.
     pub fn parse(text: &str) -> Result<Self> {
-        let fail = || Error::of_option("--scale", text, "acc=16384,gyr=131 (counts per g, counts per deg/s)");
+        let fail = || Error::of_option("--scale", text, "acc=16384,gyr=131 (counts/g, counts/(deg/s))");
         let mut out = Scale { acc_counts_per_g: None, gyro_counts_per_deg_s: None };
         for (i, part) in text.split([',', ';']).enumerate() {
             let (key, value) = part.split_once('=').unwrap_or((if i == 0 { "acc" } else { "gyr" }, part));

@@ -4,7 +4,7 @@ use parquet::basic::{Encoding, Type};
 use parquet::column::page::{Page, PageMetadata, PageReader};
 use parquet::errors::{ParquetError, Result};
 
-use crate::parquet_thrift::{Walker, number};
+use crate::parquet_thrift::{Value, Walker, number};
 
 /// An error where the headers of the pages in a part of a file, from a byte on and so many bytes long, say more values
 /// than they have bytes: the decoder would count them.
@@ -15,7 +15,7 @@ pub(crate) fn check_headers(file: &[u8], (start, length): (u64, u64)) -> Result<
         while walker.rest.len() > end {
             let mut size = None;
             walker.structure(|field, value| {
-                if field == 3 {
+                if let (3, Value::Whole(value)) = (field, value) {
                     size = Some(value); // as stored
                 }
             })?;

@@ -4,6 +4,14 @@
 /// Structs and lists within each other.
 const DEPTH: usize = 64;
 
+/// What a field of a struct holds.
+pub(crate) enum Value<'a> {
+    /// A whole number.
+    Whole(i64),
+    /// Bytes or a text.
+    Bytes(&'a [u8]),
+}
+
 /// Walks over structs in bytes.
 pub(crate) struct Walker<'a> {
     /// What follows the structs walked over so far.
@@ -17,13 +25,13 @@ impl<'a> Walker<'a> {
         Walker { rest: bytes, values: bytes.len() }
     }
 
-    /// Walks over a struct; gives each whole number of its own with its field's identifier. Nothing where the struct
-    /// is cut, too deep, of unknown types, or says more values than there are bytes.
-    pub(crate) fn structure(&mut self, mut each: impl FnMut(i16, i64)) -> Option<()> {
+    /// Walks over a struct; gives each whole number and text of its own with its field's identifier. Nothing where the
+    /// struct is cut, too deep, of unknown types, or says more values than there are bytes.
+    pub(crate) fn structure(&mut self, mut each: impl FnMut(i16, Value<'a>)) -> Option<()> {
         self.fields(DEPTH, &mut each)
     }
 
-    fn fields(&mut self, depth: usize, each: &mut dyn FnMut(i16, i64)) -> Option<()> {
+    fn fields(&mut self, depth: usize, each: &mut dyn FnMut(i16, Value<'a>)) -> Option<()> {
         let depth = depth.checked_sub(1)?;
         let mut field = 0_i16;
         loop {
@@ -37,7 +45,8 @@ impl<'a> Walker<'a> {
                 step => field.checked_add(i16::from(step))?,
             };
             match kind {
-                4..=6 => each(field, self.signed()?),
+                4..=6 => each(field, Value::Whole(self.signed()?)),
+                8 => each(field, Value::Bytes(self.bytes()?)),
                 // A field's type is its value.
                 1 | 2 => {}
                 _ => self.value(kind, depth)?,
@@ -52,10 +61,7 @@ impl<'a> Walker<'a> {
             3 => self.pass(1),
             4..=6 => self.signed().map(|_| ()),
             7 => self.pass(8),
-            8 => {
-                let length = number(&mut self.rest)?;
-                self.pass(length)
-            }
+            8 => self.bytes().map(|_| ()),
             9 | 10 => {
                 let head = self.byte()?;
                 let count = if head >> 4 == 15 { number(&mut self.rest)? } else { u64::from(head >> 4) };
@@ -82,6 +88,14 @@ impl<'a> Walker<'a> {
             }
         }
         Some(())
+    }
+
+    /// Bytes with their number in front.
+    fn bytes(&mut self) -> Option<&'a [u8]> {
+        let length = usize::try_from(number(&mut self.rest)?).ok()?;
+        let (bytes, rest) = self.rest.split_at_checked(length)?;
+        self.rest = rest;
+        Some(bytes)
     }
 
     /// Passes over bytes.

@@ -1,5 +1,6 @@
 //! Writing our columns as Parquet: doubles, zstd, one row group a million rows.
 
+use crate::parquet_thrift::{Value, Walker};
 use crate::write::Column;
 use parquet::basic::{Compression, LogicalType, Repetition, Type as Physical, ZstdLevel};
 use parquet::data_type::{BoolType, ByteArray, ByteArrayType, DoubleType};
@@ -7,11 +8,38 @@ use parquet::errors::{ParquetError, Result};
 use parquet::file::properties::WriterProperties;
 use parquet::file::writer::{SerializedFileWriter, SerializedRowGroupWriter};
 use parquet::schema::types::Type;
-use std::io::{self, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::sync::Arc;
 
 /// Rows of a row group.
 const GROUP: usize = 1 << 20;
+/// What the footer says of who made the file, before the version.
+const MAKER: &str = "shisei ";
+/// Longest footer that is looked at, bytes; ours have some hundred bytes a column and a million rows.
+const LONGEST_FOOTER: u32 = 1 << 24;
+
+/// True where the footer says that we made the file. Reads no more than the footer, and none longer than 16 MiB.
+pub fn is_ours<R: Read + Seek>(file: &mut R) -> bool {
+    let mut maker = || {
+        let end = file.seek(SeekFrom::End(-8)).ok()?;
+        let mut last = [0; 8];
+        file.read_exact(&mut last).ok()?;
+        let length = u32::from_le_bytes(*last.first_chunk()?);
+        if !last.ends_with(b"PAR1") || length > LONGEST_FOOTER {
+            return None;
+        }
+        file.seek(SeekFrom::Start(end.checked_sub(u64::from(length))?)).ok()?;
+        let mut footer = vec![0; length as usize];
+        file.read_exact(&mut footer).ok()?;
+        let mut ours = false;
+        Walker::new(&footer).structure(|field, value| {
+            // created_by
+            ours |= field == 6 && matches!(value, Value::Bytes(text) if text.starts_with(MAKER.as_bytes()));
+        })?;
+        Some(ours)
+    };
+    maker() == Some(true)
+}
 
 /// Writes a table as Parquet.
 pub fn parquet<W: Write + Send>(sink: W, names: &[&str], columns: &[Column<'_>]) -> io::Result<()> {
@@ -26,7 +54,10 @@ pub fn parquet<W: Write + Send>(sink: W, names: &[&str], columns: &[Column<'_>])
 
 /// Writes a recording's canonical columns (INTERFACES), then the kept ones.
 pub fn recording_parquet<W: Write + Send>(sink: W, recording: &crate::Recording) -> io::Result<()> {
-    crate::write::with_columns(recording, |names, columns| parquet(sink, names, columns))
+    crate::write::with_columns(recording, |(names, kept), columns| {
+        let names: Vec<&str> = names.iter().copied().chain(kept.iter().map(String::as_str)).collect();
+        parquet(sink, &names, columns)
+    })
 }
 
 fn write<W: Write + Send>(sink: W, names: &[&str], columns: &[Column<'_>]) -> Result<()> {
@@ -47,7 +78,7 @@ fn write<W: Write + Send>(sink: W, names: &[&str], columns: &[Column<'_>]) -> Re
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::try_new(1)?))
         .set_dictionary_enabled(false)
-        .set_created_by(format!("shisei {}", env!("CARGO_PKG_VERSION")))
+        .set_created_by(format!("{MAKER}{}", env!("CARGO_PKG_VERSION")))
         .build();
     let mut writer = SerializedFileWriter::new(sink, schema, Arc::new(properties))?;
     let rows = columns.iter().map(Column::len).max().unwrap_or(0);

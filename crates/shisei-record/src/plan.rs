@@ -152,39 +152,44 @@ impl Plan {
             plan.time_unit =
                 reading.meanings.get(column).and_then(|m| m.unit).filter(|u| matches!(u, Unit::Time(..)));
         }
-        plan.keep = kept(&names, &options.keep, sheet)?;
+        plan.keep = plan.kept(&names, &options.keep, sheet)?;
         Ok(plan)
+    }
+
+    /// The columns to keep; `*` is those that nothing else is read from.
+    fn kept(&self, names: &[String], keep: &[String], sheet: &Sheet<'_>) -> Result<Vec<usize>> {
+        if keep.iter().any(|asked| asked == "*") {
+            return Ok((0..names.len()).filter(|column| self.role(*column).is_none()).collect());
+        }
+        keep.iter().map(|asked| find(sheet, names, asked)).collect()
+    }
+
+    /// What a column is used for.
+    fn role(&self, column: usize) -> Option<String> {
+        if self.time == Some(column) {
+            return Some("time_s".into());
+        }
+        let summed = self.acc.is_none() && self.linear.is_some() && self.gravity.is_some();
+        let parts = if summed { [&self.linear, &self.gravity] } else { [&None; 2] };
+        for (triple, prefix) in
+            [(&self.acc, "acc"), (&self.gyro, "gyr"), (parts[0], "acc"), (parts[1], "acc")]
+        {
+            if let Some(axis) = triple.as_ref().and_then(|t| t.columns.iter().position(|c| *c == column)) {
+                return Some(format!("{prefix}_{}", ["x", "y", "z"][axis]));
+            }
+        }
+        (self.temp == Some(column)).then(|| "temp_c".into())
     }
 
     /// The sheet's columns and what they are taken for.
     pub fn channels(&self, sheet: &Sheet<'_>, reading: &Reading) -> Vec<Channel> {
-        let summed = self.acc.is_none() && self.linear.is_some() && self.gravity.is_some();
-        let role = |column: usize| -> Option<String> {
-            if self.time == Some(column) {
-                return Some("time_s".into());
-            }
-            for (triple, prefix) in [(&self.acc, "acc"), (&self.gyro, "gyr")] {
-                if let Some(axis) = triple.as_ref().and_then(|t| t.columns.iter().position(|c| *c == column))
-                {
-                    return Some(format!("{prefix}_{}", ["x", "y", "z"][axis]));
-                }
-            }
-            for (triple, prefix) in [(&self.linear, "acc"), (&self.gravity, "acc")] {
-                if let Some(axis) = triple.as_ref().and_then(|t| t.columns.iter().position(|c| *c == column))
-                    && summed
-                {
-                    return Some(format!("{prefix}_{}", ["x", "y", "z"][axis]));
-                }
-            }
-            (self.temp == Some(column)).then(|| "temp_c".into())
-        };
         sheet
             .column_names()
             .into_iter()
             .enumerate()
             .map(|(i, name)| {
                 let meaning = reading.meanings.get(i).cloned().unwrap_or_else(Meaning::other);
-                let used = role(i);
+                let used = self.role(i);
                 let seems = match meaning.quantity {
                     Quantity::Acceleration => "acceleration",
                     Quantity::LinearAcceleration => "acceleration without gravity",
@@ -455,15 +460,4 @@ fn check_partial(sheet: &Sheet<'_>, reading: &Reading, plan: &Plan, names: &[Str
     let problem = Problem::MissingColumn { missing, columns: names.to_vec() };
     let line = (sheet.data_line > 1 && !sheet.header.is_empty()).then(|| sheet.data_line - 1);
     Err(Error::at(problem, Place { file: sheet.name.to_owned(), line, column: None }))
-}
-
-fn kept(names: &[String], keep: &[String], sheet: &Sheet<'_>) -> Result<Vec<usize>> {
-    let mut out = Vec::new();
-    for asked in keep {
-        if asked == "*" {
-            return Ok((0..names.len()).collect());
-        }
-        out.push(find(sheet, names, asked)?);
-    }
-    Ok(out)
 }

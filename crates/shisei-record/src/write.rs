@@ -137,12 +137,16 @@ impl Column<'_> {
 /// Appends a cell of text, quoted where it holds a separator, a quote or a line end.
 pub fn push_text(out: &mut Vec<u8>, text: &str) {
     if text.contains([',', '"', '\n', '\r']) {
-        out.push(b'"');
-        out.extend_from_slice(text.replace('"', "\"\"").as_bytes());
-        out.push(b'"');
+        push_quoted(out, text);
     } else {
         out.extend_from_slice(text.as_bytes());
     }
+}
+
+fn push_quoted(out: &mut Vec<u8>, text: &str) {
+    out.push(b'"');
+    out.extend_from_slice(text.replace('"', "\"\"").as_bytes());
+    out.push(b'"');
 }
 
 /// Numbers that are made as the table is written.
@@ -170,26 +174,61 @@ pub fn csv(
     columns: &[Column<'_>],
     decimals: Decimals,
 ) -> io::Result<()> {
+    with_kept(sink, (names, &[]), columns, decimals)
+}
+
+/// As [`csv`]; the last columns are kept from an input, and theirs are the second names.
+fn with_kept(
+    sink: &mut dyn Write,
+    names: (&[&str], &[String]),
+    columns: &[Column<'_>],
+    decimals: Decimals,
+) -> io::Result<()> {
     let mut made = Made { rows: 0, columns: 0, next: &mut |_, _| {} };
     csv_made(sink, names, (columns, &mut made, &[]), decimals)
 }
 
-/// As [`csv`], with numbers that are made as they are written between columns before and after them.
+/// What a receiver's recordings have beside the canonical columns.
+const RECEIVERS: [&str; 5] = ["node", "boot", "seq", "frame", "from_gate"];
+
+/// As [`csv`], with numbers that are made as they are written between columns before and after them. The second names
+/// are those of the columns kept from an input; save the receiver's they are quoted, which tells our files from those made
+/// by hand.
 pub fn csv_made(
     sink: &mut dyn Write,
-    names: &[&str],
+    (names, kept): (&[&str], &[String]),
     columns: (&[Column<'_>], &mut Made<'_>, &[Column<'_>]),
     decimals: Decimals,
 ) -> io::Result<()> {
     let mut header = Vec::new();
-    for (i, name) in names.iter().enumerate() {
-        if i > 0 {
-            header.push(b',');
-        }
+    for name in names {
         push_text(&mut header, name);
+        header.push(b',');
     }
+    let push_kept = if kept == RECEIVERS { push_text } else { push_quoted };
+    for name in kept {
+        push_kept(&mut header, name);
+        header.push(b',');
+    }
+    header.pop();
     header.push(b'\n');
     table::write(Vectors::widest(), sink, &header, columns, decimals)
+}
+
+/// Names under which kept columns are written beside `ours`: their own, with `_kept` after it where it is taken.
+pub fn kept_names(ours: &[&str], extra: &[crate::recording::Extra]) -> Vec<String> {
+    let mut names: Vec<String> = Vec::new();
+    for column in extra {
+        let mut name = column.name.clone();
+        let given = ours.iter().copied().chain(names.iter().map(String::as_str));
+        let taken = given.clone().any(|other| other.eq_ignore_ascii_case(&name));
+        let all = given.chain(extra.iter().map(|column| column.name.as_str()));
+        while taken && all.clone().any(|other| other.eq_ignore_ascii_case(&name)) {
+            name += "_kept";
+        }
+        names.push(name);
+    }
+    names
 }
 
 /// Writes a recording's canonical columns (INTERFACES): `time_s, acc_x … gyr_z[, temp_c]`, then kept ones.
@@ -198,15 +237,22 @@ pub fn recording_csv(
     recording: &crate::Recording,
     decimals: Decimals,
 ) -> io::Result<()> {
-    with_columns(recording, |names, columns| csv(sink, names, columns, decimals))
+    with_columns(recording, |names, columns| with_kept(sink, names, columns, decimals))
 }
 
-/// The canonical columns of a recording and their names.
+/// Names of a recording's canonical columns.
+pub fn recording_names(recording: &crate::Recording) -> &'static [&'static str] {
+    let all = &["time_s", "acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z", "temp_c"];
+    if recording.temp_c.is_some() { all } else { &all[..7] }
+}
+
+/// The canonical columns of a recording and the kept ones, and their names.
 pub(crate) fn with_columns<T>(
     recording: &crate::Recording,
-    write: impl FnOnce(&[&str], &[Column<'_>]) -> T,
+    write: impl FnOnce((&[&str], &[String]), &[Column<'_>]) -> T,
 ) -> T {
-    let mut names = vec!["time_s", "acc_x", "acc_y", "acc_z", "gyr_x", "gyr_y", "gyr_z"];
+    let names = recording_names(recording);
+    let kept = kept_names(names, &recording.extra);
     let mut columns = vec![Column::Numbers(&recording.time_s)];
     for values in [recording.acc_m_s2.as_flattened(), recording.gyro_rad_s.as_flattened()] {
         for offset in 0..3 {
@@ -214,14 +260,10 @@ pub(crate) fn with_columns<T>(
         }
     }
     if let Some(temp) = &recording.temp_c {
-        names.push("temp_c");
         columns.push(Column::Numbers(temp));
     }
-    for extra in &recording.extra {
-        names.push(&extra.name);
-        columns.push(Column::Texts(&extra.cells));
-    }
-    write(&names, &columns)
+    columns.extend(recording.extra.iter().map(|extra| Column::Texts(&extra.cells)));
+    write((names, &kept), &columns)
 }
 
 #[cfg(test)]
@@ -342,7 +384,7 @@ mod tests {
             let mut out = Vec::new();
             let columns: (&[Column<'_>], _, &[Column<'_>]) =
                 (&[Column::Numbers(&first)], &mut made, &[Column::Flags(&flags)]);
-            csv_made(&mut out, &["a", "b", "c", "d"], columns, Decimals::Fixed(1)).unwrap();
+            csv_made(&mut out, (&["a", "b", "c", "d"], &[]), columns, Decimals::Fixed(1)).unwrap();
             let mut expected = "a,b,c,d\n".to_owned();
             for k in 0..rows {
                 let c = if k == 0 { "0.0".into() } else { format!("-{k}.0") };

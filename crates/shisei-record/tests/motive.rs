@@ -3,7 +3,7 @@
 use shisei_core::frames::{Axes, Pose};
 use shisei_core::{Lang, Quaternion, vector};
 use shisei_record::Input;
-use shisei_record::motive::{LossRule, MarkerKind, Problem, Take, looks_like, read, write};
+use shisei_record::motive::{LossRule, MarkerKind, Problem, Take, is_ours, looks_like, read, write};
 use shisei_record::write::Decimals;
 use shisei_twin::motive::{Body, Loss, Style, csv};
 use shisei_twin::movements;
@@ -36,7 +36,7 @@ fn tool(frames: &[Frame]) -> Body<'_> {
 
 fn take_of(text: &str) -> Take {
     let take = read(&Input { name: "take.csv", bytes: text.as_bytes() }).expect("a take");
-    assert!(looks_like(text.as_bytes()));
+    assert!(looks_like(text.as_bytes()) && !is_ours(text.as_bytes()));
     take
 }
 
@@ -57,12 +57,19 @@ fn check_poses(take: &Take, name: &str, frames: &[Frame], length_digits_m: f64) 
     }
 }
 
-/// Written and read again, everything is the same to the bit.
+/// Written and read again, everything is the same to the bit, but for the notes, which say that it was us.
 fn check_round_trip(take: &Take) {
     let mut bytes = Vec::new();
     write(&mut bytes, take, Decimals::Shortest).expect("memory");
     let again = read(&Input { name: "again.csv", bytes: &bytes }).expect("our own file");
-    assert_eq!(again.info, take.info);
+    assert!(is_ours(&bytes));
+    let others =
+        |take: &Take| take.info.iter().filter(|(key, _)| key != "Take Notes").cloned().collect::<Vec<_>>();
+    assert_eq!(others(&again), others(take));
+    let sign = format!("written by shisei {}", env!("CARGO_PKG_VERSION"));
+    let notes = take.info("Take Notes").filter(|notes| !notes.is_empty());
+    let signed = notes.map_or(sign.clone(), |notes| format!("{notes}; {sign}"));
+    assert_eq!(again.info("Take Notes"), Some(signed.as_str()));
     assert_eq!(again.style, take.style);
     assert_eq!((&again.frame, &again.timecode), (&take.frame, &take.timecode));
     let bits =

@@ -80,6 +80,23 @@ mod parquet {
         }
     }
 
+    #[test]
+    fn our_files_are_known_by_their_footer() {
+        use shisei_record::parquet_write::is_ours;
+        use std::io::Cursor;
+        let mut bytes = Vec::new();
+        recording_parquet(&mut bytes, &sample()).unwrap();
+        assert!(is_ours(&mut Cursor::new(&bytes)));
+        for other in [fixture("text.parquet"), bytes[..bytes.len() - 1].to_vec(), b"PAR1".to_vec()] {
+            assert!(!is_ours(&mut Cursor::new(&other)));
+        }
+        for at in 0..bytes.len() {
+            let mut bad = bytes.clone();
+            bad[at] ^= 0x55;
+            let _ = is_ours(&mut Cursor::new(&bad));
+        }
+    }
+
     fn fixture(name: &str) -> Vec<u8> {
         let folder = std::path::PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../fixtures/parquet");
         std::fs::read(folder.join(name)).unwrap()

@@ -1,6 +1,7 @@
 //! `shisei apply`: a recording corrected by a calibration.
 
 use shisei_core::Lang;
+use shisei_record::write;
 
 use crate::args::Apply;
 use crate::calibration;
@@ -25,6 +26,8 @@ pub fn run(args: &Apply, lang: Lang) -> Outcome<()> {
     let source = Source { paths: args.files.clone() };
     let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
     calibration::apply(&file, &mut recording, lang)?;
+    let names = write::recording_names(&recording);
+    tables::note_renamed(&mut recording, names);
     writer.write(&args.output, kind, |out| tables::recording(out, format, &recording))?;
     eprint!("{}", summary::of_notes(&recording, lang));
     if !is_stdout(&args.output) {

@@ -1,6 +1,7 @@
 //! `shisei convert`: any recording in our own columns.
 
 use shisei_core::Lang;
+use shisei_record::write;
 
 use crate::args::Convert;
 use crate::fail::{Outcome, say};
@@ -20,7 +21,9 @@ pub fn run(args: &Convert, lang: Lang) -> Outcome<()> {
     let kind = format.kind(Kind::Recording);
     writer.check_all(&[(&args.output, kind)])?;
     let source = Source { paths: args.files.clone() };
-    let recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
+    let names = write::recording_names(&recording);
+    tables::note_renamed(&mut recording, names);
     writer.write(&args.output, kind, |out| tables::recording(out, format, &recording))?;
     eprint!("{}", summary::of_notes(&recording, lang));
     if !is_stdout(&args.output) {

@@ -155,6 +155,9 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
     if let Some(file) = &plan.calibration {
         calibration::apply(file, &mut recording, lang).map_err(refuse)?;
     }
+    let (unit, factor) = if plan.args.degrees { ("deg", DEG_PER_RAD) } else { ("rad", 1.0) };
+    let names = tables::orientation_names(unit, plan.settings.method.starts_in_motion());
+    tables::note_renamed(&mut recording, &names.iter().map(String::as_str).collect::<Vec<_>>());
     let (mut orientation, mut later) = compute(plan, source, &recording).map_err(refuse)?;
     let warnings = warnings(plan, &recording, &orientation);
     let drawn = places.html.is_some() || places.png.is_some();
@@ -193,7 +196,6 @@ pub fn one(plan: &Plan, source: &Source, places: &Places) -> Result<Done, Unopen
         );
         outputs.push(path.clone());
     }
-    let (unit, factor) = if plan.args.degrees { ("deg", DEG_PER_RAD) } else { ("rad", 1.0) };
     let mut angle_ranges = AngleRanges::default();
     let table = |out: &mut dyn std::io::Write| {
         let attitudes = (&orientation, &mut later);

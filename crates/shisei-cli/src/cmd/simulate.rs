@@ -9,7 +9,8 @@ use shisei_twin::lab::{Lab, Movement, Outage, Settings};
 use super::devices::calibration_for_node;
 use crate::args_live::{Lab as LabArgs, MovementName, Simulate, Simulated};
 use crate::fail::{Failure, Outcome, say};
-use crate::output::{Kind, Writer, head};
+use crate::ours::head;
+use crate::output::{Kind, Writer};
 
 /// How long a file of bytes is unless asked for otherwise, s.
 const FILE_S: f64 = 60.0;

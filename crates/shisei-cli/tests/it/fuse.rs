@@ -119,7 +119,14 @@ fn a_take_is_filled_and_written_in_every_format() {
     let body = take.body(None).expect("one body");
     assert!((0..take.len()).all(|row| take.pose(&body, row).is_some()));
     let again = desk.run(&["fuse", "take.csv", "imu.csv", "--motive", "filled.csv"]);
-    assert_eq!(again.code, 2, "a take is not overwritten: {}", again.stderr);
+    assert_eq!(again.code, 0, "our own take is overwritten: {}", again.stderr);
+    desk.put("motives.csv", motive(&frames, &Style::default()));
+    let other = desk.run(&["fuse", "take.csv", "imu.csv", "--motive", "motives.csv"]);
+    assert_eq!(other.code, 2, "Motive's own is not: {}", other.stderr);
+    for name in ["a.csv", "a.sto", "a.mot", "a.glb", "a.mcap", "a.parquet"] {
+        let again = desk.run(&["fuse", "take.csv", "imu.csv", "-o", name]);
+        assert_eq!(again.code, 0, "{name}: {}", again.stderr);
+    }
 }
 
 #[test]

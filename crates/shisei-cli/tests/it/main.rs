@@ -10,6 +10,7 @@ mod live;
 mod many;
 mod measure;
 mod orientation;
+mod own_results;
 mod run;
 mod takes;
 #[cfg(unix)]

@@ -24,4 +24,4 @@ pub use loss::LossRule;
 pub use pulses::read_pulses;
 pub use read::{looks_like, read};
 pub use take::{Column, Rotation, Style, Take};
-pub use write::write;
+pub use write::{is_ours, write};

@@ -10,23 +10,43 @@ const BLOCK: usize = 1 << 16;
 /// Digits of the time column, as Motive's.
 const TIME_DIGITS: u8 = 6;
 
-/// Writes a take in its own layout: UTF-8, CRLF line ends. With [`Decimals::Shortest`] it reads back to the
-/// same bits. Time stamps get six digits after the point, or the shortest that read back where they have more.
+/// The key of a take's notes.
+const NOTES: &str = "Take Notes";
+/// What they say where we wrote the file, before the version.
+const MAKER: &str = "written by shisei ";
+
+/// True for the first bytes of a file that [`write`] wrote.
+pub fn is_ours(head: &[u8]) -> bool {
+    let line = String::from_utf8_lossy(head.split(|&byte| byte == b'\n').next().unwrap_or_default());
+    line.split_once(NOTES).is_some_and(|(_, rest)| rest.contains(MAKER))
+}
+
+/// The first row's keys and values; the notes say that it was us.
+fn signed(take: &Take) -> Vec<(String, String)> {
+    let mut info = take.info.clone();
+    let sign = format!("{MAKER}{}", env!("CARGO_PKG_VERSION"));
+    match info.iter_mut().find(|(key, _)| key.eq_ignore_ascii_case(NOTES)) {
+        Some((_, notes)) if notes.contains(MAKER) => {}
+        Some((_, notes)) if notes.trim().is_empty() => *notes = sign,
+        Some((_, notes)) => *notes = format!("{notes}; {sign}"),
+        None => info.push((NOTES.to_owned(), sign)),
+    }
+    info
+}
+
+/// Writes a take in its own layout: UTF-8, CRLF line ends; its notes say that it was us. With [`Decimals::Shortest`] it
+/// reads back to the same bits. Time stamps get six digits after the point, or the shortest that read back where they have more.
 pub fn write(sink: &mut dyn Write, take: &Take, decimals: Decimals) -> io::Result<()> {
     let mut out = Vec::with_capacity(BLOCK + 4096);
-    if !take.info.is_empty() {
-        let mut first = true;
-        for (key, value) in &take.info {
-            for cell in [key, value] {
-                if !first {
-                    out.push(b',');
-                }
-                first = false;
-                push_text(&mut out, cell);
-            }
+    for (number, (key, value)) in signed(take).iter().enumerate() {
+        if number > 0 {
+            out.push(b',');
         }
-        out.extend_from_slice(b"\r\n\r\n");
+        push_text(&mut out, key);
+        out.push(b',');
+        push_text(&mut out, value);
     }
+    out.extend_from_slice(b"\r\n\r\n");
     heading(&mut out, take);
     for row in 0..take.len() {
         values(&mut out, take, row, decimals);

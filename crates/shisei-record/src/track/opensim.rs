@@ -2,7 +2,8 @@
 //!
 //! Source: OpenSim documentation, "Storage (.sto) files", "Motion (.mot) files" and "OpenSense - Kinematics with
 //! IMU data": a header of `key=value` lines up to `endheader`, a line of labels, rows parted by tabs; a
-//! quaternion is `w,x,y,z` in one cell. OpenSim's ground is y-up.
+//! quaternion is `w,x,y,z` in one cell. OpenSim's ground is y-up. It passes over keys that it does not know: `generator`
+//! says that the file is ours.
 
 use std::io::{self, Write};
 
@@ -12,13 +13,15 @@ use shisei_core::math;
 use super::Track;
 use crate::write::{Decimals, push_number};
 
+const GENERATOR: &str = concat!("generator=shisei ", env!("CARGO_PKG_VERSION"));
+
 /// Writes the orientations of a body as a quaternion table that OpenSense reads.
 pub fn sto(sink: &mut dyn Write, track: &Track<'_>) -> io::Result<()> {
     let rate_hz = rate(track.time_s);
     let name = label(track.name);
     write!(
         sink,
-        "DataRate={rate_hz:.6}\nDataType=Quaternion\nversion=3\nOpenSimVersion=4.5\nendheader\ntime\t{name}\n"
+        "DataRate={rate_hz:.6}\nDataType=Quaternion\nversion=3\nOpenSimVersion=4.5\n{GENERATOR}\nendheader\ntime\t{name}\n"
     )?;
     let mut line = Vec::new();
     for (time_s, pose) in track.rows(Axes::YUp) {
@@ -38,7 +41,10 @@ pub fn sto(sink: &mut dyn Write, track: &Track<'_>) -> io::Result<()> {
 pub fn mot(sink: &mut dyn Write, track: &Track<'_>) -> io::Result<()> {
     let name = label(track.name);
     let count = track.rows(Axes::YUp).count();
-    write!(sink, "{name}\nversion=1\nnRows={count}\nnColumns=7\ninDegrees=yes\nendheader\ntime")?;
+    write!(
+        sink,
+        "{name}\nversion=1\nnRows={count}\nnColumns=7\ninDegrees=yes\n{GENERATOR}\nendheader\ntime"
+    )?;
     for axis in ["tx", "ty", "tz", "rx", "ry", "rz"] {
         write!(sink, "\t{name}_{axis}")?;
     }
