@@ -8,14 +8,15 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::{Value, json};
 use shisei_core::Lang;
+use shisei_record::Note;
 
 use crate::cmd::orient::{self, Places, Plan};
-use crate::fail::{Exit, Failure, Outcome, say};
+use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source, Unopened};
 use crate::summary::{colon, padded};
 
-/// How many kinds of warnings are written out.
-const WARNINGS_SHOWN: usize = 8;
+/// How many kinds of assumptions, and of warnings, are written out.
+const SHOWN: usize = 8;
 
 /// What the table keeps of a recording that worked: a line, not its samples.
 #[derive(Debug)]
@@ -24,6 +25,7 @@ struct Line {
     samples: usize,
     rate_hz: f64,
     duration_s: f64,
+    assumptions: Vec<String>,
     warnings: Vec<String>,
     json: Value,
 }
@@ -145,7 +147,8 @@ fn work(
                             samples: done.recording.len(),
                             rate_hz: done.recording.findings.rate_hz,
                             duration_s: done.recording.findings.duration_s,
-                            json: done.json(),
+                            json: done.json(plan.lang),
+                            assumptions: sentences(&done.recording.assumptions, plan.lang),
                             warnings: done.warnings,
                         }),
                         Err(error) => results.1.push((source.clone(), error)),
@@ -158,19 +161,23 @@ fn work(
     results.into_inner().unwrap_or_default()
 }
 
-/// The warnings of all recordings, each once with how many have it, the most frequent first.
-fn warnings_of_all(lines: &[Line], lang: Lang) -> String {
+fn sentences(notes: &[Note], lang: Lang) -> Vec<String> {
+    notes.iter().map(|note| note.sentence(lang).to_owned()).collect()
+}
+
+/// What is said of all recordings, each once after the word for it and how many have it, the most frequent first.
+fn of_all<'a>(said: impl Iterator<Item = &'a String>, (word, word_ja): (&str, &str), lang: Lang) -> String {
     let mut counts: HashMap<&str, usize> = HashMap::new();
-    for warning in lines.iter().flat_map(|line| &line.warnings) {
-        *counts.entry(warning).or_default() += 1;
+    for sentence in said {
+        *counts.entry(sentence).or_default() += 1;
     }
     let mut counts: Vec<(&str, usize)> = counts.into_iter().collect();
     counts.sort_by(|a, b| b.1.cmp(&a.1).then(a.0.cmp(b.0)));
-    let (shown, others) = counts.split_at(counts.len().min(WARNINGS_SHOWN));
+    let (shown, others) = counts.split_at(counts.len().min(SHOWN));
     let mut text: String = shown
         .iter()
-        .map(|(warning, n)| {
-            say(lang, format!("warning ({n}): {warning}\n"), format!("注意 ({n} 件)：{warning}\n"))
+        .map(|(sentence, n)| {
+            say(lang, format!("{word} ({n}): {sentence}\n"), format!("{word_ja} ({n} 件)：{sentence}\n"))
         })
         .collect();
     if !others.is_empty() {
@@ -197,11 +204,13 @@ fn finish(plan: &Plan, lines: &[Line], failures: Vec<(Source, Unopened)>) -> Out
             line.samples, line.rate_hz, line.duration_s
         );
     }
-    eprint!("{}", warnings_of_all(lines, lang));
-    let mut refusals: Vec<(String, String)> =
-        failures.into_iter().map(|(source, why)| (source.shown(), why.failure(lang).sentence)).collect();
-    refusals.sort();
-    for (shown, sentence) in &refusals {
+    let assumed = lines.iter().flat_map(|line| &line.assumptions);
+    eprint!("{}", of_all(assumed, ("assumed", "仮定"), lang));
+    eprint!("{}", of_all(lines.iter().flat_map(|line| &line.warnings), ("warning", "注意"), lang));
+    let mut refusals: Vec<(String, Failure)> =
+        failures.into_iter().map(|(source, why)| (source.shown(), why.failure(lang))).collect();
+    refusals.sort_by(|a, b| (&a.0, &a.1.sentence).cmp(&(&b.0, &b.1.sentence)));
+    for (shown, Failure { sentence, .. }) in &refusals {
         // The sentence usually begins with the file already.
         if sentence.starts_with(shown.as_str()) {
             eprintln!("{sentence}");
@@ -211,14 +220,14 @@ fn finish(plan: &Plan, lines: &[Line], failures: Vec<(Source, Unopened)>) -> Out
     }
     if plan.args.json {
         let failed: Vec<Value> =
-            refusals.iter().map(|(input, error)| json!({ "input": input, "error": error })).collect();
+            refusals.iter().map(|(input, why)| json!({ "input": input, "error": why.sentence })).collect();
         let results: Vec<&Value> = lines.iter().map(|line| &line.json).collect();
         println!("{}", json!({ "results": results, "failed": failed }));
     }
     let (good, bad) = (lines.len(), refusals.len());
     let total = say(lang, format!("{good} done, {bad} failed"), format!("成功 {good} 件、失敗 {bad} 件"));
-    if bad > 0 {
-        return Err(Failure { exit: Exit::Condition, sentence: total });
+    if let Some(exit) = refusals.iter().map(|(_, why)| why.exit).max() {
+        return Err(Failure { exit, sentence: total });
     }
     eprintln!("{total}");
     Ok(())

@@ -3,8 +3,8 @@
 use shisei_core::error::Kind;
 use shisei_core::{Error, Lang};
 
-/// Exit codes of the command (INTERFACES: they are fixed, scripts rely on them).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Exit codes of the command (INTERFACES: they are fixed, scripts rely on them). Of several refusals the greatest counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Exit {
     /// The data do not meet a condition.
     Condition = 1,

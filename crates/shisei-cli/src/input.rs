@@ -63,18 +63,73 @@ pub struct Sources {
     pub list: Vec<Source>,
     /// True where results are many, whatever their number.
     pub batch: bool,
+    /// True where each file was named, none found in a directory.
+    named: bool,
+}
+
+impl Sources {
+    /// Makes one recording of files that were named together and are its parts: an accelerometer's (or its two, without
+    /// gravity and the gravity) and a gyroscope's.
+    pub fn joined(mut self, options: &Options, lang: Lang) -> Sources {
+        if self.named && matches!(self.list.len(), 2 | 3) && are_parts(&self.list, options, lang) {
+            let paths = self.list.drain(..).flat_map(|source| source.paths).collect();
+            self.list.push(Source { paths });
+            self.batch = false;
+        }
+        self
+    }
+}
+
+/// Whether files are the parts of one recording, by their first rows.
+fn are_parts(list: &[Source], options: &Options, lang: Lang) -> bool {
+    let mut files = Vec::new();
+    for path in list.iter().flat_map(|source| &source.paths) {
+        // A pipe can be read only once.
+        let Some(bytes) = path.is_file().then(|| first_rows(path, lang).ok()).flatten() else { return false };
+        files.push((path.display().to_string(), bytes));
+    }
+    let inputs: Vec<Input<'_>> = files.iter().map(|(name, bytes)| Input { name, bytes }).collect();
+    let lacks = |input: &Input<'_>| shisei_record::open(&[*input], options).err().map(|error| error.problem);
+    let part = |problem: &Problem| {
+        matches!(problem, Problem::NoGyro { .. } | Problem::NoAcc { .. } | Problem::GravityRemoved { .. })
+    };
+    let alone: Vec<Problem> = inputs.iter().filter_map(lacks).filter(part).collect();
+    let halves = matches!(
+        alone.as_slice(),
+        [Problem::NoGyro { .. }, Problem::NoAcc { .. }] | [Problem::NoAcc { .. }, Problem::NoGyro { .. }]
+    );
+    alone.len() == inputs.len() && (halves || shisei_record::open(&inputs, options).is_ok())
+}
+
+/// The rows at the beginning of a text; any other file whole.
+fn first_rows(path: &Path, lang: Lang) -> Outcome<Vec<u8>> {
+    let Opened { head: mut bytes, mut rest, .. } = start(path, lang)?;
+    let long = bytes.len() > LONGEST_LINE;
+    match bytes.iter().rposition(|&byte| byte == b'\n') {
+        Some(end) if long && !is_packed(&bytes) => bytes.truncate(end + 1),
+        _ => {
+            rest.read_to_end(&mut bytes).map_err(|error| cannot_read(path, &error, lang))?;
+        }
+    }
+    Ok(bytes)
+}
+
+/// True for the first bytes of a file in which lines cannot be seen.
+fn is_packed(head: &[u8]) -> bool {
+    head.starts_with(b"\x1f\x8b") || head.starts_with(b"PAR1")
 }
 
 /// Expands directories. Files that `orient` wrote are skipped in them.
 pub fn expand(paths: &[PathBuf], lang: Lang) -> Outcome<Sources> {
     let mut list = Vec::new();
     let mut batch = paths.len() > 1;
+    let mut named = true;
     for path in paths {
         if !path.is_dir() {
             list.push(Source::one(path.clone()));
             continue;
         }
-        batch = true;
+        (batch, named) = (true, false);
         let before = list.len();
         list.extend(recordings_in(path, lang)?.into_iter().map(Source::one));
         if list.len() == before {
@@ -91,7 +146,7 @@ pub fn expand(paths: &[PathBuf], lang: Lang) -> Outcome<Sources> {
             )));
         }
     }
-    Ok(Sources { list, batch })
+    Ok(Sources { list, batch, named })
 }
 
 fn recordings_in(directory: &Path, lang: Lang) -> Outcome<Vec<PathBuf>> {
@@ -147,8 +202,7 @@ fn start(path: &Path, lang: Lang) -> Outcome<Opened> {
         Box::new(file)
     };
     rest.by_ref().take(LONGEST_LINE as u64 + 1).read_to_end(&mut head).map_err(failed)?;
-    let compressed = head.starts_with(b"\x1f\x8b") || head.starts_with(b"PAR1");
-    if head.len() > LONGEST_LINE && !compressed && !head.iter().any(|&b| b == b'\n' || b == b'\r') {
+    if head.len() > LONGEST_LINE && !is_packed(&head) && !head.iter().any(|&b| b == b'\n' || b == b'\r') {
         let shown = path.display();
         return Err(Failure::input(say(
             lang,

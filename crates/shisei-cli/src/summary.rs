@@ -2,6 +2,7 @@
 
 use std::fmt::Write as _;
 
+use serde_json::{Value, json};
 use shisei_core::Lang;
 use shisei_core::orient::{Method, Orientation};
 use shisei_record::{Note, Recording};
@@ -273,6 +274,11 @@ pub fn notes<'a>(assumptions: &[Note], warnings: impl Iterator<Item = &'a str>, 
         let _ = writeln!(text, "  {} {warning}", say(lang, "warning:", "注意："));
     }
     text
+}
+
+/// The same as JSON.
+pub fn notes_json(notes: &[Note], lang: Lang) -> Vec<Value> {
+    notes.iter().map(|note| json!({ "code": note.code, "sentence": note.sentence(lang) })).collect()
 }
 
 /// Padded to a width in terminal columns; Japanese characters take two.

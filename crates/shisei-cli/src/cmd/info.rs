@@ -6,10 +6,10 @@ use serde_json::{Value, json};
 use shisei_core::filter::Dt;
 use shisei_core::rest::{self, RestSettings};
 use shisei_core::{Lang, vector};
-use shisei_record::{Input, Inspection, Options, Recording};
+use shisei_record::{Input, Inspection, Options, Problem, Recording};
 
 use crate::args::Info;
-use crate::fail::{Exit, Failure, Outcome, say};
+use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output;
 use crate::summary::{self, padded};
@@ -18,22 +18,23 @@ use crate::summary::{self, padded};
 /// that belong together.
 pub fn run(args: &Info, lang: Lang) -> Outcome<()> {
     let options = input::options(&args.reading, lang)?;
-    let sources = input::expand(&args.files, lang)?;
+    let sources = input::expand(&args.files, lang)?.joined(&options, lang);
     let mut reports = Vec::new();
-    let mut refused = 0;
+    let mut refused = Vec::new();
     for source in together(sources.list, &options, lang) {
         let inspection = match inspect(&source, &options, lang) {
             Ok(inspection) => inspection,
             Err(failure) if sources.batch => {
                 eprintln!("{}", failure.sentence);
                 reports.push(json!({ "input": source.shown(), "error": failure.sentence }));
-                refused += 1;
+                refused.push(failure.exit);
                 continue;
             }
             Err(failure) => return Err(failure),
         };
         if inspection.channels.is_empty()
             && let Some(error) = &inspection.refusal
+            && sensors(&inspection).is_empty()
         {
             // Not even a table: that is a refusal, not information.
             let failure = input::Unopened::Contents(error.clone()).failure(lang);
@@ -41,7 +42,7 @@ pub fn run(args: &Info, lang: Lang) -> Outcome<()> {
                 return Err(failure);
             }
             eprintln!("{}", failure.sentence);
-            refused += 1;
+            refused.push(failure.exit);
         }
         if args.json {
             reports.push(as_json(&source, &inspection, lang));
@@ -58,9 +59,10 @@ pub fn run(args: &Info, lang: Lang) -> Outcome<()> {
             }
         }
     }
-    if refused > 0 {
+    if let Some(exit) = refused.iter().max() {
+        let refused = refused.len();
         return Err(Failure {
-            exit: Exit::Condition,
+            exit: *exit,
             sentence: say(lang, format!("{refused} failed"), format!("失敗 {refused} 件")),
         });
     }
@@ -95,6 +97,14 @@ fn inspect(source: &Source, options: &Options, lang: Lang) -> Outcome<Inspection
     shisei_record::inspect(&inputs, options).map_err(|error| input::Unopened::Contents(error).failure(lang))
 }
 
+/// The names of the sensors where there are several.
+fn sensors(inspection: &Inspection) -> &[String] {
+    match inspection.refusal.as_ref().map(|error| &error.problem) {
+        Some(Problem::ManySensors { names }) => names,
+        _ => &[],
+    }
+}
+
 /// The rests of a recording, as first and last time, s.
 fn rests(recording: &Recording) -> Vec<(f64, f64)> {
     let dt = Dt::PerSample(&recording.dt_s);
@@ -121,14 +131,12 @@ fn as_json(source: &Source, inspection: &Inspection, lang: Lang) -> Value {
         "dialect_name": inspection.dialect_name,
         "layout": inspection.layout,
         "channels": channels,
+        "sensors": sensors(inspection),
         "is_recording": inspection.recording.is_some(),
         "refusal": inspection.refusal.as_ref().map(|error| error.sentence(lang)),
     });
     let Some(recording) = &inspection.recording else { return report };
     let f = &recording.findings;
-    let notes = |notes: &[shisei_record::Note]| -> Vec<Value> {
-        notes.iter().map(|n| json!({ "code": n.code, "sentence": n.sentence(lang) })).collect()
-    };
     let gaps: Vec<Value> =
         f.gaps.iter().map(|g| json!({ "row": g.row, "from_s": g.from_s, "length_s": g.length_s })).collect();
     let rests: Vec<Value> =
@@ -156,8 +164,8 @@ fn as_json(source: &Source, inspection: &Inspection, lang: Lang) -> Value {
         "rests": rests,
         "rest_norm_m_s2": rest_norm_m_s2,
         "has_temperature": recording.temp_c.is_some(),
-        "assumptions": notes(&recording.assumptions),
-        "warnings": notes(&recording.warnings),
+        "assumptions": summary::notes_json(&recording.assumptions, lang),
+        "warnings": summary::notes_json(&recording.warnings, lang),
     });
     if let (Some(report), Value::Object(more)) = (report.as_object_mut(), more) {
         report.extend(more);
@@ -227,7 +235,13 @@ fn as_text(source: &Source, inspection: &Inspection, lang: Lang) -> String {
         let unit = if recording.counts { "counts" } else { "rad/s" };
         line("Largest |ω|", "最大の |ω|", format!("{:.3} {unit}", largest(&recording.gyro_rad_s)));
     }
-    let _ = writeln!(text, "  {}", say(lang, "Columns", "列"));
+    let sensors = sensors(inspection);
+    if !sensors.is_empty() {
+        let _ = writeln!(text, "  {}{}", padded(&say(lang, "Sensors", "センサ"), 16), sensors.join(", "));
+    }
+    if !inspection.channels.is_empty() {
+        let _ = writeln!(text, "  {}", say(lang, "Columns", "列"));
+    }
     for c in &inspection.channels {
         let mark = if c.used { '✓' } else { ' ' };
         let _ = writeln!(

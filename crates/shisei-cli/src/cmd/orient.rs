@@ -58,12 +58,13 @@ pub struct Done {
 pub fn run(args: Orient, lang: Lang) -> Outcome<()> {
     let sources = input::expand(&args.files, lang)?;
     let plan = plan(args, lang)?;
+    let sources = sources.joined(&plan.options, lang);
     if !sources.batch
         && let [source] = sources.list.as_slice()
     {
         let done = one(&plan, source, &Places::single(&plan, source)).map_err(|e| e.failure(lang))?;
         if plan.args.json {
-            println!("{}", done.json());
+            println!("{}", done.json(plan.lang));
         }
         eprint!("{}", summary::of_one(&plan, &done));
         return Ok(());
@@ -366,7 +367,7 @@ fn bad_option(name: &str, value: &str, expected: &str, lang: Lang) -> Failure {
 
 impl Done {
     /// The result as one JSON object.
-    pub fn json(&self) -> Value {
+    pub fn json(&self, lang: Lang) -> Value {
         let found = &self.recording.findings;
         let rest = self.orientation.rest.as_ref().map(|range| {
             let time = |k: usize| self.recording.time_s.get(k).copied();
@@ -383,6 +384,7 @@ impl Done {
             "rest": rest,
             "gyro_bias_rad_s": self.orientation.gyro_bias_rad_s,
             "start_q_wxyz": self.orientation.start.to_array(),
+            "assumptions": summary::notes_json(&self.recording.assumptions, lang),
             "warnings": self.warnings,
             "outputs": outputs,
         })

@@ -13,7 +13,7 @@ fn a_directory_goes_on_past_bad_files() {
     desk.put("in/bad.csv", "x,y\n1,2\n");
     desk.put("in/empty.csv", "");
     let ran = desk.run(&["orient", "in", "-o", "out", "--no-report"]);
-    assert_eq!(ran.code, 1, "{}", ran.stderr);
+    assert_eq!(ran.code, 2, "{}", ran.stderr);
     assert!(ran.stderr.contains("10 done, 2 failed"), "{}", ran.stderr);
     assert!(ran.stderr.contains("bad.csv") && ran.stderr.contains("empty.csv"), "{}", ran.stderr);
     assert_eq!(std::fs::read_dir(desk.file("out")).unwrap().count(), 10);
@@ -38,7 +38,7 @@ fn a_thousand_recordings_with_twenty_bad_ones() {
         desk.put(&format!("in/r{k:04}.csv"), text);
     }
     let ran = desk.run(&["orient", "in", "-o", "out", "--no-report", "--json"]);
-    assert_eq!(ran.code, 1);
+    assert_eq!(ran.code, 2);
     let summary: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one JSON object");
     assert_eq!(summary["results"].as_array().map(Vec::len), Some(980));
     assert_eq!(summary["failed"].as_array().map(Vec::len), Some(20));
@@ -93,7 +93,65 @@ fn an_accelerometer_file_and_a_gyroscope_file_make_one_recording() {
     std::fs::create_dir(desk.file("walk")).unwrap();
     desk.put("walk/Accelerometer.csv", acc);
     desk.put("walk/Gyroscope.csv", gyro);
-    let ran = desk.run(&["orient", "walk/Accelerometer.csv", "walk/Gyroscope.csv", "--no-report"]);
+    let pair = ["walk/Gyroscope.csv", "walk/Accelerometer.csv"];
+    let ran = desk.run(&[&["orient", "--no-report"][..], &pair].concat());
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     assert_eq!(desk.names(), ["walk", "walk.orientation.csv"]);
+    // It has all that one recording has.
+    let ran =
+        desk.run(&[&["orient", "-o", "-", "--report", "w.html", "--plot", "w.png"][..], &pair].concat());
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    assert_eq!(ran.stdout, desk.text("walk.orientation.csv"));
+    assert_eq!(desk.names(), ["w.html", "w.png", "walk", "walk.orientation.csv"]);
+    let ran = desk.run(&[&["info", "--json"][..], &pair].concat());
+    let report: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one JSON object");
+    assert_eq!(report["is_recording"], true, "{report}");
+    // In a directory it is one of many.
+    let ran = desk.run(&["orient", "walk", "-o", "out", "--no-report", "--lang", "en"]);
+    assert!(ran.stderr.contains("1 done, 0 failed"), "{}", ran.stderr);
+}
+
+#[test]
+fn a_batch_ends_with_the_worst_exit_code() {
+    let desk = Desk::new();
+    let pelvis = std::fs::read(example("pelvis.csv")).unwrap();
+    desk.put("walk.csv", &pelvis);
+    desk.put("empty.csv", "");
+    for (files, expected) in [
+        (&["walk.csv", "walk.csv"][..], 0),
+        (&["walk.csv", "empty.csv"], 2),
+        (&["empty.csv", "no.csv"], 2),
+        (&["no.csv"], 2),
+    ] {
+        for command in [&["orient", "--no-report"][..], &["info"]] {
+            let ran = desk.run(&[command, files].concat());
+            assert_eq!(ran.code, expected, "{command:?} {files:?}: {}", ran.stderr);
+        }
+    }
+    // No rest of 400 s is a condition that is not met; with a file that is none beside it, the input is bad.
+    let rest = ["orient", "--no-report", "--rest", "400:500", "walk.csv"];
+    assert_eq!(desk.run(&[&rest[..], &["walk.csv"]].concat()).code, 1);
+    assert_eq!(desk.run(&[&rest[..], &["no.csv"]].concat()).code, 2);
+}
+
+#[test]
+fn what_was_assumed_is_said_of_many_and_in_json() {
+    let desk = Desk::new();
+    let pelvis = std::fs::read_to_string(example("pelvis.csv")).unwrap();
+    let bare = pelvis.replacen("Gx[rad/s],Gy[rad/s],Gz[rad/s]", "gx,gy,gz", 1);
+    for name in ["a.csv", "b.csv"] {
+        desk.put(name, &bare);
+    }
+    for (lang, words) in [("en", "assumed (2): "), ("ja", "仮定 (2 件)：")] {
+        let ran = desk.run(&["orient", "a.csv", "b.csv", "--no-report", "--json", "--lang", lang]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+        let all: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one JSON object");
+        for result in all["results"].as_array().expect("results") {
+            let one = desk.run(&["info", "a.csv", "--json", "--lang", lang]);
+            let one: serde_json::Value = serde_json::from_str(&one.stdout).expect("one JSON object");
+            assert!(result["assumptions"].as_array().is_some_and(|all| !all.is_empty()), "{result}");
+            assert_eq!(result["assumptions"], one["assumptions"]);
+        }
+    }
 }
