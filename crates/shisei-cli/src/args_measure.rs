@@ -108,15 +108,15 @@ pub struct Earth {
     /// Measure now: the serial port of a Spresense with apps/spresense/earth_rate
     #[arg(long, value_name = "PORT", conflicts_with = "files")]
     pub serial: Option<String>,
-    /// Speed of the serial port
-    #[arg(long, value_name = "BAUD", default_value_t = 115_200)]
-    pub baud: u32,
-    /// With --serial: how many directions
-    #[arg(long, value_name = "N", default_value_t = 8)]
-    pub directions: usize,
-    /// With --serial: seconds a direction
-    #[arg(long, value_name = "S", default_value_t = 65)]
-    pub seconds: u32,
+    /// With --serial: speed of the port (default 115200)
+    #[arg(long, value_name = "BAUD")]
+    pub baud: Option<u32>,
+    /// With --serial: how many directions (default 8)
+    #[arg(long, value_name = "N")]
+    pub directions: Option<usize>,
+    /// With --serial: seconds a direction (default 65)
+    #[arg(long, value_name = "S")]
+    pub seconds: Option<u32>,
     /// With --serial: where the directions go as a table (default: directions.csv here)
     #[arg(short, long, value_name = "OUT.csv")]
     pub output: Option<PathBuf>,

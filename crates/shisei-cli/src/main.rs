@@ -20,6 +20,7 @@ mod lang;
 mod ours;
 mod outgoing;
 mod output;
+mod stillness;
 mod summary;
 mod tables;
 mod threads;

@@ -6,8 +6,6 @@ use std::path::PathBuf;
 use serde_json::json;
 use shisei_core::Lang;
 use shisei_core::allan::{self, Analysis};
-use shisei_core::filter::Dt;
-use shisei_core::rest::{self, RestSettings};
 use shisei_record::{Note, Recording};
 use shisei_report::figure::{Figure, Item};
 use shisei_report::page::{Block, Page};
@@ -17,7 +15,11 @@ use crate::args::Allan;
 use crate::fail::{Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer, is_stdout};
+use crate::stillness::{self, Moved};
 use crate::summary;
+
+/// The unit of values that have no scale.
+const COUNTS: &str = "counts";
 
 /// An axis: name, unit of its rate, its analysis.
 struct Channel {
@@ -38,8 +40,8 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     let html = report.as_deref().map(|report| (report, Kind::Html));
     writer.check_all(&[(output.as_path(), Kind::Table)].into_iter().chain(html).collect::<Vec<_>>())?;
     let mut recording = input::open(&source, &options, lang).map_err(|error| error.failure(lang))?;
-    let moved = moved(&recording);
-    recording.warnings.extend(moved);
+    let doubts = [in_counts(&recording), moved(&recording)];
+    recording.warnings.extend(doubts.into_iter().flatten());
     let shown = source.shown();
     let found = &recording.findings;
     // the deviation is that of evenly spaced samples; gaps would join what does not belong together
@@ -61,8 +63,8 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     let mut channels = Vec::new();
     let counts = recording.counts;
     for (series, names, unit) in [
-        (&recording.gyro_rad_s, ["gyr_x", "gyr_y", "gyr_z"], if counts { "counts" } else { "rad/s" }),
-        (&recording.acc_m_s2, ["acc_x", "acc_y", "acc_z"], if counts { "counts" } else { "m/s²" }),
+        (&recording.gyro_rad_s, ["gyr_x", "gyr_y", "gyr_z"], if counts { COUNTS } else { "rad/s" }),
+        (&recording.acc_m_s2, ["acc_x", "acc_y", "acc_z"], if counts { COUNTS } else { "m/s²" }),
     ] {
         for (axis, name) in names.into_iter().enumerate() {
             let rate: Vec<f64> = series.iter().map(|v| v[axis]).collect();
@@ -87,17 +89,31 @@ pub fn run(args: &Allan, lang: Lang) -> Outcome<()> {
     Ok(())
 }
 
-/// A doubt where the sensor was at rest for less than half of the time.
+/// A doubt where the sensor clearly moved. Counts have no unit, so they are not judged.
 fn moved(recording: &Recording) -> Option<Note> {
-    let dt = Dt::PerSample(&recording.dt_s);
-    let rests = rest::find_rests(&recording.acc_m_s2, &recording.gyro_rad_s, dt, &RestSettings::default());
-    let still: usize = rests.ok()?.iter().map(ExactSizeIterator::len).sum();
-    let percent = 100 * still / recording.len().max(1);
-    (!recording.counts && percent < 50).then(|| {
+    if recording.counts {
+        return None;
+    }
+    let Moved { still_s, whole_s } =
+        stillness::moved(&recording.acc_m_s2, &recording.gyro_rad_s, &recording.dt_s)?;
+    Some(Note::new(
+        "moved",
+        format!(
+            "the sensor lay still in one attitude for {still_s:.1} of {whole_s:.1} s only: these are the numbers of its motion, not of its noise"
+        ),
+        format!(
+            "センサが同じ姿勢で静止していたのは {whole_s:.1} 秒のうち {still_s:.1} 秒だけです。これらは雑音ではなく動きの値です"
+        ),
+    ))
+}
+
+/// A doubt about what units the numbers are in.
+fn in_counts(recording: &Recording) -> Option<Note> {
+    recording.counts.then(|| {
         Note::new(
-            "moved",
-            format!("the sensor was at rest for {percent} % of the time only: these are the numbers of its motion, not of its noise"),
-            format!("センサが静止していたのは全体の {percent} % だけです。これらは雑音ではなく動きの値です"),
+            "counts",
+            "the values are raw counts of the sensor, and so are these numbers; give --scale acc=COUNTS_PER_G,gyr=COUNTS_PER_DEG_S for those of a data sheet".to_owned(),
+            "値はセンサの生カウントで、これらの数値もカウントの単位です。物理量で求めるには --scale acc=COUNTS_PER_G,gyr=COUNTS_PER_DEG_S を指定してください".to_owned(),
         )
     })
 }
@@ -149,7 +165,7 @@ fn rows(channels: &[Channel], lang: Lang) -> Vec<Vec<String>> {
             let (walk, walk_unit, floor, floor_unit) = match c.unit {
                 "rad/s" => (60.0 * degree, "°/√h", 3600.0 * degree, "°/h"),
                 "m/s²" => (60.0, "m/s/√h", 1e3 / shisei_core::STANDARD_GRAVITY_M_S2, "mg"),
-                _ => (1.0, "√s", 1.0, ""),
+                _ => (1.0, "counts·√s", 1.0, "counts"),
             };
             let floor_text = if a.floor_reached {
                 format!("{:.4} {floor_unit}", a.floor * floor)
@@ -174,19 +190,20 @@ fn rows(channels: &[Channel], lang: Lang) -> Vec<Vec<String>> {
         .collect()
 }
 
-fn head(lang: Lang) -> Vec<String> {
+fn head(channels: &[Channel], lang: Lang) -> Vec<String> {
+    let unit = if channels.iter().any(|c| c.unit == COUNTS) { COUNTS } else { "SI" };
+    let rate_walk =
+        say(lang, format!("rate random walk ({unit}/√s)"), format!("レートランダムウォーク ({unit}/√s)"));
     match lang {
-        Lang::En => ["axis", "random walk", "bias instability", "rate random walk (SI/√s)", "average for"],
-        Lang::Ja => {
-            ["軸", "ランダムウォーク", "バイアス安定度", "レートランダムウォーク (SI/√s)", "平均時間の目安"]
-        }
+        Lang::En => ["axis", "random walk", "bias instability", &rate_walk, "average for"],
+        Lang::Ja => ["軸", "ランダムウォーク", "バイアス安定度", &rate_walk, "平均時間の目安"],
     }
     .map(str::to_owned)
     .to_vec()
 }
 
 fn text(channels: &[Channel], lang: Lang) -> String {
-    let mut out = format!("  {}\n", head(lang).join(" | "));
+    let mut out = format!("  {}\n", head(channels, lang).join(" | "));
     for row in rows(channels, lang) {
         let _ = writeln!(out, "  {}", row.join(" | "));
     }
@@ -198,7 +215,7 @@ fn page(channels: &[Channel], shown: &str, recording: &Recording, lang: Lang) ->
     let warnings = recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
     let mut blocks = vec![Block::Table {
         heading: say(lang, "Noise", "雑音"),
-        head: head(lang),
+        head: head(channels, lang),
         rows: rows(channels, lang),
     }];
     for (part, en, ja) in [(0..3, "Gyroscope", "ジャイロ"), (3..6, "Accelerometer", "加速度")] {

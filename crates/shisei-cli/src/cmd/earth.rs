@@ -15,6 +15,7 @@ use crate::args::Earth;
 use crate::fail::{Exit, Failure, Outcome, say};
 use crate::input::{self, Source};
 use crate::output::{Kind, Writer};
+use crate::stillness::{self, Moved};
 use crate::summary;
 
 /// Everything that is told.
@@ -40,10 +41,15 @@ pub fn run(args: &Earth, lang: Lang) -> Outcome<()> {
     if let Some(latitude) = args.latitude.filter(|latitude| !(-90.0 < *latitude && *latitude < 90.0)) {
         return Err(Failure::input(say(
             lang,
-            format!("--latitude {latitude}: give degrees between -90 and 90, north positive"),
-            format!("--latitude {latitude}：-90 から 90 の間の度で指定してください (北緯が正)"),
+            format!(
+                "--latitude {latitude}: give more than -90 and less than 90 degrees, north positive; at a pole no direction is north"
+            ),
+            format!(
+                "--latitude {latitude}：-90 より大きく 90 より小さい度で指定してください (北緯が正、極では北が定まりません)"
+            ),
         )));
     }
+    check_serial(args, lang)?;
     let latitude = args.latitude.map(f64::to_radians);
     let report = args.report.or("earth.html");
     let writer = Writer::new(args.force, lang, &args.files);
@@ -90,6 +96,38 @@ pub fn run(args: &Earth, lang: Lang) -> Outcome<()> {
     Ok(())
 }
 
+/// Refuses what only a measurement takes.
+fn check_serial(args: &Earth, lang: Lang) -> Outcome<()> {
+    let given = [
+        ("--output", args.output.is_some()),
+        ("--directions", args.directions.is_some()),
+        ("--seconds", args.seconds.is_some()),
+        ("--baud", args.baud.is_some()),
+    ];
+    match given.into_iter().find(|(_, given)| *given).filter(|_| args.serial.is_none()) {
+        None => Ok(()),
+        Some((name, _)) => Err(Failure::input(say(
+            lang,
+            format!("{name} has no meaning without --serial; leave it out, or measure with --serial PORT"),
+            format!("{name} は --serial なしでは使えません。外すか、--serial ポート で計測してください"),
+        ))),
+    }
+}
+
+/// The refusal of a direction in which the sensor did not lie still.
+fn moving(shown: &str, moved: Moved, lang: Lang) -> Failure {
+    let Moved { still_s, whole_s } = moved;
+    Failure::condition(say(
+        lang,
+        format!(
+            "{shown}: the sensor moves: it lies still in one attitude for {still_s:.1} of {whole_s:.1} s, and any turn is far more than the Earth's; give recordings, one a direction, in which it lies still throughout"
+        ),
+        format!(
+            "{shown}：センサが動いています (同じ姿勢で静止しているのは {whole_s:.1} 秒のうち {still_s:.1} 秒)。わずかな動きでも地球の自転よりはるかに大きいため、方向ごとに終始静止した記録を指定してください"
+        ),
+    ))
+}
+
 fn refused(shown: &str, error: shisei_core::Error, lang: Lang) -> Failure {
     let mut failure = Failure::core(shown, error, lang);
     if failure.exit != Exit::Condition {
@@ -127,6 +165,9 @@ fn recordings(args: &Earth, weights: Weights, lang: Lang) -> Outcome<Measurement
                     found.resets + found.backward_stamps
                 ),
             )));
+        }
+        if let Some(moved) = stillness::moved(&recording.acc_m_s2, &recording.gyro_rad_s, &recording.dt_s) {
+            return Err(moving(&source.shown(), moved, lang));
         }
         let temperature = recording.temp_c.as_deref().unwrap_or(&[]);
         let averaged =

@@ -11,6 +11,7 @@ use super::earth::{directions_csv, directions_path};
 use crate::args::Earth;
 use crate::fail::{Failure, Outcome, say};
 use crate::output::{Kind, Writer};
+use crate::stillness;
 
 /// Readings a block: 30 blocks a second, 1.8 kB/s, whatever the baud rate.
 const BLOCK: u32 = 64;
@@ -27,7 +28,8 @@ type Measurement = (
 pub fn measure(args: &Earth, port: &str, writer: &Writer, lang: Lang) -> Outcome<Measurement> {
     let path = directions_path(args);
     writer.check_all(&[(&path, Kind::Table)])?;
-    if !(3..=100).contains(&args.directions) || !(1..=3600).contains(&args.seconds) {
+    let (count, seconds) = (args.directions.unwrap_or(8), args.seconds.unwrap_or(65));
+    if !(3..=100).contains(&count) || !(1..=3600).contains(&seconds) {
         return Err(Failure::input(say(
             lang,
             "give --directions from 3 to 100 and --seconds from 1 to 3600",
@@ -43,24 +45,20 @@ pub fn measure(args: &Earth, port: &str, writer: &Writer, lang: Lang) -> Outcome
             ),
         ))
     };
-    let mut line = serialport::new(port, args.baud)
+    let mut line = serialport::new(port, args.baud.unwrap_or(115_200))
         .timeout(Duration::from_millis(200))
         .open()
         .map_err(|e| failed(&e))?;
     let (mut names, mut directions, mut summaries) = (Vec::new(), Vec::new(), Vec::new());
-    for k in 1..=args.directions {
+    while names.len() < count {
+        let k = names.len() + 1;
         eprintln!(
             "{}",
             say(
                 lang,
+                format!("direction {k} of {count}: {}; press Enter when the board lies still", hint(k, lang)),
                 format!(
-                    "direction {k} of {}: {}; press Enter when the board lies still",
-                    args.directions,
-                    hint(k, lang)
-                ),
-                format!(
-                    "{} 方向中 {k} 方向目: {}。ボードが静止したら Enter を押してください",
-                    args.directions,
+                    "{count} 方向中 {k} 方向目: {}。ボードが静止したら Enter を押してください",
                     hint(k, lang)
                 ),
             )
@@ -73,7 +71,17 @@ pub fn measure(args: &Earth, port: &str, writer: &Writer, lang: Lang) -> Outcome
                 format!("{k} 方向目で入力が終わりました"),
             )));
         }
-        let summary = one(&mut *line, args, port, lang)?;
+        let Some(summary) = one(&mut *line, seconds, port, lang)? else {
+            eprintln!(
+                "{}",
+                say(
+                    lang,
+                    "  the board moved; this direction is measured again",
+                    "  ボードが動きました。この方向を計測し直します",
+                )
+            );
+            continue;
+        };
         names.push(k.to_string());
         directions.push(summary.direction);
         summaries.push(summary);
@@ -96,12 +104,13 @@ fn hint(k: usize, lang: Lang) -> String {
     }
 }
 
+/// One direction; none where the board moved.
 fn one(
     line: &mut dyn serialport::SerialPort,
-    args: &Earth,
+    seconds: u32,
     port: &str,
     lang: Lang,
-) -> Outcome<shisei_core::earth::direction::DirectionSummary> {
+) -> Outcome<Option<shisei_core::earth::direction::DirectionSummary>> {
     let failed = |what: String| {
         Failure::condition(say(
             lang,
@@ -117,7 +126,7 @@ fn one(
     let mut heard = Instant::now();
     let mut elapsed = 0.0;
     let mut buffer = [0; 4096];
-    while elapsed < f64::from(args.seconds) {
+    while elapsed < f64::from(seconds) {
         let n = match line.read(&mut buffer) {
             Ok(n) => n,
             Err(e) if e.kind() == std::io::ErrorKind::TimedOut => 0,
@@ -173,7 +182,11 @@ fn one(
             )
         );
     }
-    summarise(&gyro, &acc, &temperature, &dt, Weights::Capped).map_err(|e| Failure::core(port, e, lang))
+    if stillness::moved(&acc, &gyro, &dt).is_some() {
+        return Ok(None);
+    }
+    let found = summarise(&gyro, &acc, &temperature, &dt, Weights::Capped);
+    found.map(Some).map_err(|e| Failure::core(port, e, lang))
 }
 
 /// What was on its way when the stream was stopped.

@@ -112,6 +112,41 @@ fn earth_refuses_what_determines_nothing() {
     assert_eq!(desk.names().iter().filter(|n| n.contains(".html")).count(), 0);
 }
 
+#[test]
+fn a_direction_in_which_the_sensor_moves_is_named() {
+    let desk = Desk::new();
+    for name in ["a.csv", "b.csv"] {
+        desk.put(name, still(2_000));
+    }
+    let pelvis = example("pelvis.csv");
+    for (lang, words) in [("en", "the sensor moves"), ("ja", "センサが動いています")] {
+        let ran = desk.run(&["earth", "a.csv", &pelvis, "b.csv", "--lang", lang]);
+        assert_eq!(ran.code, 1, "{}", ran.stderr);
+        assert!(ran.stderr.contains("pelvis.csv") && ran.stderr.contains(words), "{}", ran.stderr);
+        assert!(!ran.stderr.contains("°/h"), "{}", ran.stderr);
+    }
+    let ran = desk.run(&["earth", "a.csv", "b.csv", "a.csv", "--lang", "en"]);
+    assert!(!ran.stderr.contains("the sensor moves"), "{}", ran.stderr);
+}
+
+#[test]
+fn the_noise_of_counts_is_in_counts() {
+    let desk = Desk::new();
+    let mut text = String::from("time_s,ax,ay,az,gx,gy,gz\n");
+    for k in 0..2_000_i64 {
+        let n = (k * 16_807) % 2_147 % 40;
+        writeln!(text, "{:.2},{n},{},{},{},{n},{}", k as f64 / 100.0, 7 - n, 16_384 + n, 3 * n, -n).unwrap();
+    }
+    desk.put("counts.csv", text);
+    for (lang, words) in [("en", "are raw counts of the sensor"), ("ja", "生カウント")] {
+        let ran = desk.run(&["allan", "counts.csv", "--report", "c.html", "--lang", lang]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        assert!(ran.stderr.contains(words), "{}", ran.stderr);
+        assert!(ran.stderr.contains("counts/√s") && !ran.stderr.contains("SI/√s"), "{}", ran.stderr);
+        assert!(desk.text("c.html").contains("counts/√s") && desk.text("c.html").contains(words));
+    }
+}
+
 /// Noise of known density: 2^15 samples at 100 Hz, from a multiplicative generator.
 fn still(rows: usize) -> String {
     let mut n: u64 = 1_234_567_890;

@@ -113,6 +113,9 @@ fn options_without_a_meaning_are_refused() {
         &["calibrate", "in.csv", "--method", "multi-pose", "--window", "2"],
         &["--window", "multi-pose"],
     );
+    for option in [["-o", "x.csv"], ["--directions", "3"], ["--seconds", "9"], ["--baud", "9600"]] {
+        check_refused(&["earth", "in.csv", option[0], option[1]], &["--serial"]);
+    }
     check_refused(&["orient", "in.csv", "in.csv", "--save-calibration", "x.json"], &["--save-calibration"]);
 }
 
@@ -124,7 +127,8 @@ fn numbers_that_are_none_are_named() {
         (["orient", "in.csv", "--rate", "nan"], ["--rate", "finite"]),
         (["calibrate", "in.csv", "--window", "-1"], ["greater than 0", "--window"]),
         (["calibrate", "in.csv", "--gravity", "inf"], ["--gravity", "finite"]),
-        (["earth", "in.csv", "--latitude", "95"], ["--latitude 95", "between -90 and 90"]),
+        (["earth", "in.csv", "--latitude", "95"], ["--latitude 95", "less than 90"]),
+        (["earth", "in.csv", "--latitude", "90"], ["--latitude 90", "at a pole"]),
     ] {
         check_refused(&args, &words);
     }
@@ -213,10 +217,15 @@ fn many_recordings_say_their_warnings_once() {
 fn the_noise_of_a_sensor_that_moved_is_doubted() {
     let desk = Desk::new();
     let ran = desk.run(&["allan", &example("pelvis.csv"), "--no-report", "--lang", "en"]);
-    assert!(ran.stderr.contains("the sensor was at rest for 3"), "{}", ran.stderr);
+    assert!(ran.stderr.contains("the sensor lay still in one attitude for 3"), "{}", ran.stderr);
     assert!(!ran.stderr.contains(" 0.0 s"), "{}", ran.stderr);
+    let ran = desk.run(&["allan", &example("six-face.csv"), "--no-report", "--lang", "ja"]);
+    assert!(ran.stderr.contains("センサが同じ姿勢で静止していたのは"), "{}", ran.stderr);
     desk.run(&["allan", &example("pelvis.csv"), "--report", "a.html", "--lang", "en"]);
-    assert!(desk.text("a.html").contains("the sensor was at rest for 3"), "the report says it too");
+    assert!(
+        desk.text("a.html").contains("the sensor lay still in one attitude for 3"),
+        "the report says it too"
+    );
 }
 
 #[test]
