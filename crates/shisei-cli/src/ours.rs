@@ -111,8 +111,8 @@ impl Kind {
             Kind::Html => has("<meta name=\"generator\" content=\"shisei "),
             Kind::Png => head.starts_with(b"\x89PNG") && has("Software\0shisei "),
             Kind::Motive => motive::is_ours(head),
-            Kind::Sto => head.starts_with(b"DataRate=") && has("\ngenerator=shisei "),
-            Kind::Mot => has("\ninDegrees=yes\ngenerator=shisei "),
+            Kind::Sto => head.starts_with(b"DataRate=") && ends_our_header(head),
+            Kind::Mot => has("\ninDegrees=yes\ngenerator=shisei ") && ends_our_header(head),
             Kind::Glb => head.starts_with(b"glTF") && has("\"generator\":\"shisei "),
             Kind::Mcap => head.starts_with(b"\x89MCAP0\r\n") && has("shisei.FusedFrame"),
             Kind::Calibration => has("\"shisei-calibration\""),
@@ -131,6 +131,14 @@ fn is_table(head: &[u8], headers: &[&str]) -> bool {
             kept.is_empty() || kept == b",node,boot,seq,frame,from_gate" || kept.starts_with(b",\"")
         })
     })
+}
+
+/// Whether the header of an OpenSim table ends with our mark. OpenSim keeps the mark where it writes such a table again,
+/// but ends the header otherwise.
+fn ends_our_header(head: &[u8]) -> bool {
+    let mut lines = head.split(|&byte| byte == b'\n');
+    let before = lines.by_ref().take_while(|line| *line != b"endheader").last();
+    before.is_some_and(|line| line.starts_with(b"generator=shisei "))
 }
 
 /// True for a file with the columns that `orient` writes, with or without others after them.
@@ -154,7 +162,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_table_is_ours_by_its_whole_header() {
+    fn a_table_is_ours_by_its_header() {
         for (header, expected) in [
             ("time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z\n0,", true),
             ("time_s,acc_x,acc_y,acc_z,gyr_x,gyr_y,gyr_z,temp_c\r\n0,", true),
@@ -166,6 +174,11 @@ mod tests {
         ] {
             assert_eq!(Kind::Recording.is_head(header.as_bytes()), expected, "{header}");
         }
+        // As we write it, and as OpenSim writes it again.
+        let ours = b"DataRate=120.000000\nDataType=Quaternion\nversion=3\nOpenSimVersion=4.5\ngenerator=shisei 0.1.0\nendheader\ntime\tTool\n";
+        assert!(Kind::Sto.is_head(ours));
+        let theirs = b"DataRate=120.000000\ngenerator=shisei 0.1.0\nDataType=Quaternion\nversion=3\nOpenSimVersion=4.6\nendheader\ntime\tTool\n";
+        assert!(!Kind::Sto.is_head(theirs));
         let subject = b"time_s,q_w,q_x,q_y,q_z,yaw_rad,pitch_rad,roll_rad,subject\n";
         assert!(!Kind::Orientation.is_head(subject));
     }

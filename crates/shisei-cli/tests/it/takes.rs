@@ -68,6 +68,11 @@ fn several_nodes_are_named_and_one_is_chosen() {
             let named = ["node 0", "node 1", word].iter().all(|word| ran.stderr.contains(word));
             assert!(ran.code == 2 && named, "{command:?}: {} {}", ran.code, ran.stderr);
         }
+        // A recording is no fused take, though shisei wrote both.
+        desk.put("other.mcap", std::fs::read(desk.file("take.mcap")).expect("recorded"));
+        let ran = desk.run(&["fuse", "optical.csv", "take.mcap", "-o", "other.mcap", "--lang", lang]);
+        assert!(ran.code == 2 && ran.stderr.contains("--force"), "{}", ran.stderr);
+        std::fs::remove_file(desk.file("other.mcap")).expect("put there");
         // To list them is what info is for.
         let ran = desk.run(&["info", "take.mcap", "--lang", lang]);
         assert!(ran.code == 0 && ran.stdout.contains(" node 0, node 1\n"), "{} {}", ran.stdout, ran.stderr);
