@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use serde_json::{Value, json};
 use shisei_core::Lang;
 use shisei_core::orient::{Method, Orientation};
-use shisei_record::{Note, Recording};
+use shisei_record::{Note, Recording, dialect};
 use shisei_report::{OrientationReport, Uncertainty};
 
 use crate::args::Relative;
@@ -138,7 +138,7 @@ fn facts(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Vec<(
     let found = &recording.findings;
     let mut facts = Vec::new();
     let mut add = |en: &str, ja: &str, value: String| facts.push((say(lang, en, ja), value));
-    add("Format", "形式", recording.dialect.to_owned());
+    add("Format", "形式", dialect::name(recording.dialect, lang).to_owned());
     add(
         "Samples",
         "サンプル",

@@ -188,10 +188,8 @@ fn layout(sheet: &Sheet<'_>, parquet: bool) -> (String, String) {
 impl Inspection {
     /// What the first file is and how it is laid out, for people.
     pub fn format(&self, lang: Lang) -> String {
-        match lang {
-            Lang::En => format!("{} ({})", self.dialect_name, self.layout),
-            Lang::Ja => format!("{} ({})", dialect::name_ja(self.dialect, self.dialect_name), self.layout_ja),
-        }
+        let layout = if lang == Lang::Ja { &self.layout_ja } else { &self.layout };
+        format!("{} ({layout})", dialect::name(self.dialect, lang))
     }
 }
 

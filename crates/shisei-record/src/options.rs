@@ -196,7 +196,7 @@ impl Permutation {
 impl AxisMap {
     /// Reads `--axes`.
     pub fn parse(text: &str) -> Result<Self> {
-        let fail = || Error::of_option("--axes", text, "x,-y,-z, acc=-x,-y,-z;gyr=x,y,z");
+        let fail = || Error::of_option("--axes", text, "x,-y,-z | acc=-x,-y,-z;gyr=x,y,z");
         if !text.contains('=') {
             let both = Permutation::parse(text).ok_or_else(fail)?;
             return Ok(AxisMap { acc: both, gyro: both });

@@ -86,8 +86,6 @@ pub struct Findings {
     pub gaps: Vec<Gap>,
     /// Rows that repeat the previous stamp.
     pub repeated_stamps: usize,
-    /// Rows equal to the previous one in stamp and values.
-    pub repeated_rows: usize,
     /// Rows whose stamp lies before the previous one by less than a reset.
     pub backward_stamps: usize,
     /// Single stamps far from those before and after, which follow each other.

@@ -42,9 +42,9 @@ texts! {
         "グラフ上をドラッグすると拡大、ダブルクリックで全体表示に戻ります。Ctrl + ホイールでポインターの位置を中心に拡大・縮小できます。すべてのグラフは連動します。名前をクリックすると線の表示・非表示を切り替えられます。";
     attitude: "Attitude", "姿勢";
     attitude_description: "The sensor as a box in the world frame, z up, at the time of the cursor",
-        "カーソルの時刻におけるセンサーの姿勢。z 軸を上とする世界座標系に箱で示します";
+        "カーソルの時刻におけるセンサの姿勢。z 軸を上とする世界座標系に箱で示します";
     attitude_hint: "The box is the sensor, its axes as marked on it; the grid is level. Drag, or press the arrow keys, to look from elsewhere. On the time slider: arrow keys 0.1 s, with Shift 1 s; Space plays.",
-        "箱がセンサー、x・y・z はセンサーの軸、格子は水平面です。ドラッグまたは矢印キーで視点を変えられます。時刻スライダー: 矢印キーで 0.1 秒、Shift を押しながらで 1 秒、スペースキーで再生します。";
+        "箱がセンサ、x・y・z はセンサの軸、格子は水平面です。ドラッグまたは矢印キーで視点を変えられます。時刻スライダー: 矢印キーで 0.1 秒、Shift を押しながらで 1 秒、スペースキーで再生します。";
     play: "Play", "再生";
     pause: "Pause", "一時停止";
     speed: "Speed", "速度";

@@ -153,7 +153,6 @@ fn as_json(source: &Source, inspection: &Inspection, lang: Lang) -> Value {
         "start_unix_s": recording.start_unix_s,
         "gaps": { "count": f.gap_count, "total_s": f.gap_total_s, "longest": gaps },
         "repeated_stamps": f.repeated_stamps,
-        "repeated_rows": f.repeated_rows,
         "backward_stamps": f.backward_stamps,
         "wild_stamps": f.wild_stamps,
         "resets": f.resets,
@@ -250,7 +249,7 @@ fn as_text(source: &Source, inspection: &Inspection, lang: Lang) -> String {
             c.number,
             padded(&c.name, 28),
             padded(&c.unit, 10),
-            c.role
+            role(&c.role, lang)
         );
     }
     if let Some(recording) = &inspection.recording {
@@ -265,6 +264,23 @@ fn as_text(source: &Source, inspection: &Inspection, lang: Lang) -> String {
         );
     }
     text
+}
+
+/// What a column is; names of columns stay.
+fn role(role: &str, lang: Lang) -> String {
+    let ja = match role {
+        "acceleration" => "加速度",
+        "acceleration without gravity" => "重力を除いた加速度",
+        "gravity" => "重力",
+        "angular rate" => "角速度",
+        "temperature" => "温度",
+        "time" => "時刻",
+        "counter" => "カウンタ",
+        "axis of an unnamed quantity" => "量の分からない軸",
+        "other" => "その他",
+        column => column,
+    };
+    say(lang, role, ja)
 }
 
 fn gaps(recording: &Recording, lang: Lang) -> String {

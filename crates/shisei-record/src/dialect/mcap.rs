@@ -315,7 +315,7 @@ fn notes(part: &mut Part, sensor: &str, loss: Loss, without_time: usize) {
     part.assumptions.push(Note::new(
         "mcap",
         format!("the sensor is {sensor}; rates are rad/s before bias removal, accelerations m/s²"),
-        format!("センサーは {sensor} です。ジャイロはバイアス補正前の rad/s、加速度は m/s² として読みます"),
+        format!("センサは {sensor} です。ジャイロはバイアス補正前の rad/s、加速度は m/s² として読みます"),
     ));
     if loss.parts > 0 {
         let parts = loss.parts;

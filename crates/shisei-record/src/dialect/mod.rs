@@ -5,6 +5,7 @@
 //! `dialect/NAME.rs` with a `pub const DIALECT: Dialect`, list it in [`ALL`], and put a small sample into
 //! `fixtures/dialects/`. A file that is no table at all (hexadecimal words, binary) is a `WholeFile`.
 
+use crate::Lang;
 use crate::error::Result;
 use crate::open::Part;
 use crate::options::Options;
@@ -71,8 +72,14 @@ pub(crate) struct WholeFile {
     pub read: fn(&str, &[u8], &Options) -> Result<Part>,
 }
 
-/// What a kind of file is called in Japanese, by its id; `name` where that is a maker's.
-pub(crate) fn name_ja(id: &str, name: &'static str) -> &'static str {
+/// What a kind of file is called, by its id; the id where there is none such.
+pub fn name(id: &'static str, lang: Lang) -> &'static str {
+    let mut all = ALL.iter().map(|d| (d.id, d.name)).chain(WHOLE.iter().map(|d| (d.id, d.name)));
+    let name = all.find(|(known, _)| *known == id).map_or(id, |(_, name)| name);
+    if lang == Lang::En {
+        return name;
+    }
+    // Makers' names stay.
     match id {
         "generic" => "見出しのある表",
         "headerless" => "見出しのない数値の表",
