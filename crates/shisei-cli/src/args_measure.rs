@@ -61,7 +61,8 @@ pub struct Motion {
     pub calibration: Option<PathBuf>,
     #[command(flatten)]
     pub report: Report,
-    /// Overwrite files that shisei did not write, and go on beyond the time for which position can be trusted
+    /// Overwrite files that shisei did not write, and go on where position can hardly be trusted: too long without a
+    /// rest, long holes in the samples, an end that contradicts the readings
     #[arg(long)]
     pub force: bool,
     /// One JSON object on standard output

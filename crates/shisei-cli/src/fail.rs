@@ -52,6 +52,20 @@ fn as_options(mut sentence: String) -> String {
         ("maxTiltRad", "--max-tilt"),
         ("windowSec", "--window"),
         ("stepSec", "--step"),
+        ("raise maxWithoutRest", "insist with --force"),
+        ("maxWithoutRest を大きくして", "--force で続行して"),
+        ("raise maxHole", "insist with --force"),
+        ("maxHole を大きくして", "--force で続行して"),
+        ("raise maxEndDistance", "insist with --force"),
+        ("maxEndDistance を大きくして", "--force で続行して"),
+        (
+            "check the unit and the gravity, or widen minAccScale and maxAccScale",
+            "check the unit of the accelerations (--units) and the gravity (--gravity)",
+        ),
+        (
+            "単位と重力加速度を確認するか、minAccScale と maxAccScale を広げて",
+            "加速度の単位 (--units) と重力加速度 (--gravity) を確認して",
+        ),
         ("kpMin", "--kp-min"),
         ("kpMax", "--kp"),
         (

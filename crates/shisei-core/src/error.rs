@@ -130,6 +130,24 @@ pub enum Error {
         /// The limit, s.
         limit_s: f64,
     },
+    /// The samples have a hole that is too long to bridge.
+    HoleTooLong {
+        /// Where it begins, s after the first sample.
+        at_s: f64,
+        /// Its length, s.
+        seconds: f64,
+        /// The limit, s.
+        limit_s: f64,
+    },
+    /// The end that was given is not where the movement can end.
+    EndContradicted {
+        /// How far the two are apart in standard deviations of both.
+        distance: f64,
+        /// The same, m.
+        off_m: f64,
+        /// The standard deviation of where the readings lead (root of the three axes' sum), m.
+        sigma_m: f64,
+    },
     /// Parameters must ascend in a stated order.
     OutOfOrder {
         /// The rule, as an inequality.
@@ -195,6 +213,8 @@ impl Error {
             | Error::AxisNearVertical { .. }
             | Error::NoRest { .. }
             | Error::TooLongWithoutRest { .. }
+            | Error::HoleTooLong { .. }
+            | Error::EndContradicted { .. }
             | Error::FaceMissing { .. }
             | Error::ScaleOutOfBounds { .. }
             | Error::TooFewPoints { .. }
@@ -289,7 +309,18 @@ fn english(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::TooLongWithoutRest { seconds, limit_s } => write!(
             f,
             "the sensor moved for {seconds:.1} s without a rest, more than the {limit_s} s for which position \
-             can be trusted; rest more often, or insist with --force (maxWithoutRest)"
+             can be trusted; rest more often, or raise maxWithoutRest"
+        ),
+        Error::HoleTooLong { at_s, seconds, limit_s } => write!(
+            f,
+            "the samples have a hole of {seconds:.2} s, {at_s:.2} s after the first of them, longer than the \
+             {limit_s} s over which motion can be bridged; split the recording there, or raise maxHole"
+        ),
+        Error::EndContradicted { distance, off_m, sigma_m } => write!(
+            f,
+            "the end that was given is {off_m:.3} m from where the readings lead to within {sigma_m:.3} m: \
+             {distance:.0} standard deviations, which cannot be; check the end, the axes and the rests, or \
+             raise maxEndDistance"
         ),
         Error::NoRest { needed_s } => write!(
             f,
@@ -379,7 +410,17 @@ fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::TooLongWithoutRest { seconds, limit_s } => write!(
             f,
             "静止なしで {seconds:.1} 秒動いています。位置を信頼できる上限は {limit_s} 秒です。\
-             途中で静止させるか、--force (maxWithoutRest) で続行してください"
+             途中で静止させるか、maxWithoutRest を大きくしてください"
+        ),
+        Error::HoleTooLong { at_s, seconds, limit_s } => write!(
+            f,
+            "最初のサンプルから {at_s:.2} 秒の位置でサンプルが {seconds:.2} 秒間欠けています。運動を補間できる上限は \
+             {limit_s} 秒です。そこで記録を分けるか、maxHole を大きくしてください"
+        ),
+        Error::EndContradicted { distance, off_m, sigma_m } => write!(
+            f,
+            "指定した終点は、計測値から求めた終点 (標準偏差 {sigma_m:.3} m) から {off_m:.3} m 離れています。標準偏差の \
+             {distance:.0} 倍で、ありえません。終点、軸の向き、静止区間を確認するか、maxEndDistance を大きくしてください"
         ),
         Error::NoRest { needed_s } => write!(
             f,
@@ -455,6 +496,9 @@ mod tests {
             Error::ZeroAcceleration,
             Error::AxisNearVertical { angle_rad: 0.1 },
             Error::NoRest { needed_s: 1.0 },
+            Error::TooLongWithoutRest { seconds: 30.0, limit_s: 20.0 },
+            Error::HoleTooLong { at_s: 20.0, seconds: 3.0, limit_s: 0.5 },
+            Error::EndContradicted { distance: 40.0, off_m: 15.5, sigma_m: 0.4 },
             Error::OutOfOrder { rule: "a < b" },
             Error::NotStable { variance: 1.0, mean_norm: 9.8 },
             Error::FaceMissing { face },

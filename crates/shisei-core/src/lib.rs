@@ -54,3 +54,8 @@ pub use vector::Vec3;
 
 /// Standard gravity, m/s² (CGPM 1901): the default wherever a gravity can be given.
 pub const STANDARD_GRAVITY_M_S2: f64 = 9.80665;
+/// Largest rate that is taken for a reading, rad/s: sensors of motion read up to 4000 °/s, which are 70.
+pub const LARGEST_RATE_RAD_S: f64 = 100.0;
+/// Largest acceleration that is taken for a reading, m/s²: sensors of motion read up to 16 g, those for blows to the
+/// body up to 200 g.
+pub const LARGEST_ACC_M_S2: f64 = 2000.0;

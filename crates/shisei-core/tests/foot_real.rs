@@ -92,3 +92,43 @@ fn a_walk_without_a_rest_is_refused() {
     let refusal = foot(&acc, &gyro, Dt::Constant(0.005), &FootSettings::default()).unwrap_err();
     assert!(matches!(refusal, Error::NoRest { .. }), "{refusal:?}");
 }
+
+/// Walks with samples cut out of them: where the whole one ends lies within the stated band.
+#[test]
+fn holes_widen_the_band() {
+    let deg = core::f64::consts::PI / 180.0;
+    for (name, acc_at, gyro_at, unit) in [
+        ("zupt_xio_gait/short_walk.csv", 4, 1, deg),
+        ("zupt_gaitdriven_own/SensorConnectData_31.csv", 1, 4, 1.0),
+    ] {
+        let Some(text) = support::recording(name) else { return };
+        let rows = support::table(&text, ',');
+        let settings = FootSettings::default();
+        let whole = walk(&rows, acc_at, gyro_at, unit);
+        let track = foot(&whole.acc, &whole.gyro, Dt::PerSample(&whole.dt_s), &settings).unwrap();
+        assert_eq!(track.holes, [], "{name}");
+        let (end, span) = (track.position_m[whole.acc.len() - 1], whole.time_s[whole.acc.len() - 1]);
+        let cut = |from: f64, length_s: f64| {
+            let left: Vec<_> =
+                rows.iter().filter(|r| !(r[0] > from && r[0] < from + length_s)).cloned().collect();
+            let w = walk(&left, acc_at, gyro_at, unit);
+            foot(&w.acc, &w.gyro, Dt::PerSample(&w.dt_s), &settings)
+        };
+        for length_s in [0.05, 0.1, 0.13] {
+            for place in 0..8 {
+                let from = span * (0.2 + 0.08 * f64::from(place));
+                let track = cut(from, length_s).unwrap();
+                let last = track.position_m.len() - 1;
+                let off = shisei_core::vector::norm(shisei_core::vector::sub(track.position_m[last], end));
+                let sigma = track.sigma_total_m(last);
+                println!("{name}: {length_s} s at {from:.2} s: {off:.2} m of {sigma:.2} m");
+                assert!(off < 3.0 * sigma, "{name}, {length_s} s at {from}: {off} of {sigma}");
+            }
+        }
+        for length_s in [0.2, 0.8, 3.0] {
+            let refusal = cut(0.5 * span, length_s).unwrap_err();
+            let Error::HoleTooLong { at_s, seconds, .. } = refusal else { panic!("{refusal:?}") };
+            assert!((at_s - 0.5 * span).abs() < 0.02 && (seconds - length_s).abs() < 0.02, "{refusal:?}");
+        }
+    }
+}

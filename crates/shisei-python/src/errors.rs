@@ -72,13 +72,16 @@ pub fn exception(function: &str, error: impl Into<Error>) -> PyErr {
 }
 
 /// Names of the core's parameters in its sentences, and the package's arguments.
-const ARGUMENTS: [(&str, &str); 13] = [
+const ARGUMENTS: [(&str, &str); 16] = [
     ("varThreshold", "max_variance"),
     ("maxTiltRad", "max_tilt_rad"),
     ("windowSec", "window_s"),
     ("stepSec", "step_s"),
     ("minAccScale", "min_acc_scale"),
     ("maxAccScale", "max_acc_scale"),
+    ("maxWithoutRest", "max_without_rest_s"),
+    ("maxHole", "max_hole_s"),
+    ("maxEndDistance", "max_end_distance"),
     ("kpMin", "kp_min"),
     ("kpMax", "kp_max"),
     ("accelLowerEnd", "lower_end"),

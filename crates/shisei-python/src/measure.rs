@@ -11,7 +11,7 @@ use shisei_core::earth::analysis::{Believed, analyse};
 use shisei_core::earth::direction::{Direction, summarise};
 use shisei_core::earth::fits::Measured;
 use shisei_core::motion::foot::{self, FootSettings};
-use shisei_core::motion::navigation::{NavigationSettings, Phase, Track};
+use shisei_core::motion::navigation::{GivenEnd, NavigationSettings, Phase, Track};
 use shisei_core::motion::rest_to_rest::{self, RestToRestSettings};
 use shisei_core::{Error, Vec3, sphere};
 
@@ -158,6 +158,8 @@ pub fn navigate<'py>(
     dt_s: Step<'py>,
     gravity_m_s2: f64,
     max_without_rest_s: f64,
+    max_hole_s: f64,
+    max_end_distance: f64,
     end: Option<(Vec3, f64)>,
 ) -> PyResult<Bound<'py, PyDict>> {
     let (gyro, acc) = (rows::<3>(&gyro_rad_s, "gyro_rad_s")?, rows::<3>(&acc_m_s2, "acc_m_s2")?);
@@ -177,14 +179,21 @@ pub fn navigate<'py>(
     if !(gravity_m_s2 > 0.0 && gravity_m_s2.is_finite()) {
         return Err(refuse(Error::NotPositive { name: "gravity", value: gravity_m_s2 }));
     }
+    let navigation = |usual: NavigationSettings| NavigationSettings {
+        gravity_m_s2,
+        end,
+        max_hole_s,
+        max_end_distance,
+        ..usual
+    };
     let track = py.detach(|| {
         if on_foot {
             let usual = FootSettings::default();
-            let navigation = NavigationSettings { gravity_m_s2, end, ..usual.navigation };
+            let navigation = navigation(usual.navigation);
             foot::foot(acc, gyro, dt, &FootSettings { navigation, max_without_rest_s, ..usual })
         } else {
             let usual = RestToRestSettings::default();
-            let navigation = NavigationSettings { gravity_m_s2, end, ..usual.navigation };
+            let navigation = navigation(usual.navigation);
             let settings = RestToRestSettings { navigation, max_without_rest_s, ..usual };
             rest_to_rest::rest_to_rest(acc, gyro, dt, &settings)
         }
@@ -202,6 +211,11 @@ fn tracked(py: Python<'_>, track: Track) -> PyResult<Bound<'_, PyDict>> {
     result.set_item("velocity_m_s", table::<3>(py, track.velocity_m_s)?)?;
     result.set_item("position_m", table::<3>(py, track.position_m)?)?;
     result.set_item("sigma_position_m", table::<3>(py, track.sigma_position_m)?)?;
+    let holes = track.holes.iter().map(|hole| (hole.row, hole.length_s)).collect::<Vec<_>>();
+    result.set_item("holes", holes)?;
+    result.set_item("passed_over", track.passed_over)?;
+    let given = track.given_end.filter(GivenEnd::is_doubtful);
+    result.set_item("doubtful_end", given.map(|end| (end.off_m, end.sigma_m, end.distance)))?;
     result.set_item("longest_without_rest_s", track.longest_without_rest_s)?;
     result.set_item("gyro_bias_rad_s", track.gyro_bias_rad_s)?;
     result.set_item("acc_bias_m_s2", track.acc_bias_m_s2)?;

@@ -262,3 +262,29 @@ def test_the_mean_of_a_recording_at_rest():
                        ({"gyro_rad_s": gyro[:0]}, (shisei.ShapeError, shisei.ConditionError))):
         with pytest.raises(error):
             shisei.mean_rate(rate_hz=100, **bad)
+
+
+def test_motion_says_what_it_cannot_know():
+    still = np.zeros(300)
+    acc, gyro = level(np.concatenate([still, slide(2, 1.0, 100), still]), 100)
+    readings = {"acc_m_s2": acc, "gyro_rad_s": gyro, "rate_hz": 100}
+    open_end = shisei.rest_to_rest(**readings)
+    off = 6 * open_end.sigma_position_m[-1][0]
+    with pytest.warns(UserWarning, match="standard deviations"):
+        shisei.rest_to_rest(**readings, end_m=open_end.position_m[-1] + [off, 0, 0], end_sigma_m=1e-4)
+    with pytest.raises(shisei.ConditionError, match="max_end_distance"):
+        shisei.rest_to_rest(**readings, end_m=[5, 0, 0])
+    keep = np.r_[0:350, 450:len(acc)]
+    cut = {"acc_m_s2": acc[keep], "gyro_rad_s": gyro[keep], "time_s": keep / 100}
+    with pytest.raises(shisei.ConditionError, match="max_hole_s"):
+        shisei.rest_to_rest(**cut)
+    bridged = shisei.rest_to_rest(**cut, max_hole_s=math.inf)
+    assert len(bridged.holes) == 1 and bridged.holes[0][0] == 350
+    assert (np.abs(bridged.position_m[-1] - [1, 0, 0]) < 3 * bridged.sigma_position_m[-1]).all()
+    wild = acc.copy()
+    wild[400, 0] = 1e6
+    with pytest.warns(UserWarning, match="pass over"):
+        passed = shisei.rest_to_rest(**{**readings, "acc_m_s2": wild})
+    assert passed.passed_over == 1 and np.linalg.norm(passed.position_m[-1] - [1, 0, 0]) < 0.1
+    with pytest.raises(shisei.DomainError):
+        shisei.rest_to_rest(**readings, max_hole_s=math.nan)

@@ -162,3 +162,95 @@ fn too_long_or_never_at_rest_is_refused() {
     let refusal = rest_to_rest(&shaken, &gyro, Dt::Constant(0.01), &settings).unwrap_err();
     assert!(matches!(refusal, Error::NoRest { .. }), "{refusal:?}");
 }
+
+/// Readings with rows cut out, and a step each.
+fn cut(acc: &mut Vec<Vec3>, gyro: &mut Vec<Vec3>, rows: std::ops::Range<usize>, usual_s: f64) -> Vec<f64> {
+    let mut dt_s = vec![usual_s; acc.len() - rows.len()];
+    dt_s[rows.start] = usual_s * (rows.len() + 1) as f64;
+    acc.drain(rows.clone());
+    gyro.drain(rows);
+    dt_s
+}
+
+#[test]
+fn a_hole_is_in_the_band() {
+    let mut random = Random::new(5, 11);
+    let settings = RestToRestSettings::default();
+    for length_s in [0.05, 0.1, 0.2, 0.45] {
+        let (mut off, runs) = (Vec::new(), 60);
+        for run in 0..runs {
+            let path = movement(&mut random, 2.0, 0.5, 60.0 * DEG);
+            let s = simulate(&path, &sensor(), &Settings::new(200.0, 3000 + run));
+            let (mut acc, mut gyro) = readings(&s);
+            let last = s.truth.len() - 1;
+            let truth = vector::sub(s.truth[last].position_m, s.truth[0].position_m);
+            let from = 200 + (random.uniform() * (400.0 - 200.0 * length_s)) as usize;
+            let dt_s = cut(&mut acc, &mut gyro, from..from + (200.0 * length_s) as usize, 0.005);
+            let track = rest_to_rest(&acc, &gyro, Dt::PerSample(&dt_s), &settings).unwrap();
+            let last = acc.len() - 1;
+            let error = vector::norm(vector::sub(track.position_m[last], truth));
+            assert_eq!(track.holes.len(), 1);
+            off.push(error / track.sigma_total_m(last));
+        }
+        let worst = off.iter().copied().fold(0.0, f64::max);
+        println!("{length_s} s: median {:.2}, worst {worst:.2} standard deviations", median(off));
+        assert!(worst < 3.0, "{length_s} s: {worst}");
+    }
+    let path = movement(&mut random, 2.0, 0.5, 0.0);
+    let s = simulate(&path, &sensor(), &Settings::new(200.0, 4000));
+    let (mut acc, mut gyro) = readings(&s);
+    let dt_s = cut(&mut acc, &mut gyro, 300..460, 0.005);
+    let refusal = rest_to_rest(&acc, &gyro, Dt::PerSample(&dt_s), &settings).unwrap_err();
+    let Error::HoleTooLong { at_s, seconds, .. } = refusal else { panic!("{refusal:?}") };
+    assert!((at_s - 1.495).abs() < 1e-9 && (seconds - 0.805).abs() < 1e-9, "{refusal:?}");
+}
+
+#[test]
+fn samples_that_are_no_readings_are_passed_over() {
+    let path = movement(&mut Random::new(1, 2), 2.0, 0.5, 60.0 * DEG);
+    let s = simulate(&path, &sensor(), &Settings::new(200.0, 4));
+    let (acc, gyro) = readings(&s);
+    let last = acc.len() - 1;
+    let truth = vector::sub(s.truth[last].position_m, s.truth[0].position_m);
+    let settings = RestToRestSettings::default();
+    for row in [0, 60, 300, 301, 450, last] {
+        for wild in [[1e300, 0.0, 0.0], [0.0, -5000.0, 9.8], [0.0; 3]] {
+            let mut acc = acc.clone();
+            acc[row] = wild;
+            let track = rest_to_rest(&acc, &gyro, Dt::Constant(0.005), &settings).unwrap();
+            let error = vector::norm(vector::sub(track.position_m[last], truth));
+            assert_eq!((track.position_m.len(), track.passed_over), (last + 1, 1));
+            assert!(error < 3.0 * track.sigma_total_m(last), "{row}: {error}");
+            assert!(track.sigma_total_m(last) < 0.05);
+        }
+        let mut gyro = gyro.clone();
+        gyro[row][1] = 200.0;
+        let track = rest_to_rest(&acc, &gyro, Dt::Constant(0.005), &settings).unwrap();
+        let error = vector::norm(vector::sub(track.position_m[last], truth));
+        assert!(error < 3.0 * track.sigma_total_m(last), "{row}: {error}");
+    }
+}
+
+#[test]
+fn an_end_that_cannot_be_is_refused() {
+    let path = movement(&mut Random::new(1, 1), 5.0, 1.0, 30.0 * DEG);
+    let s = simulate(&path, &sensor(), &Settings::new(200.0, 4));
+    let (acc, gyro) = readings(&s);
+    let last = acc.len() - 1;
+    let mut settings = RestToRestSettings::default();
+    let open = rest_to_rest(&acc, &gyro, Dt::Constant(0.005), &settings).unwrap();
+    let (at, sigma) = (open.position_m[last], open.sigma_position_m[last][0]);
+    let mut told = |x: f64, insist: bool| {
+        settings.navigation.end = Some((vector::add(at, [x, 0.0, 0.0]), 1e-4));
+        settings.navigation.max_end_distance = if insist { f64::INFINITY } else { 10.0 };
+        rest_to_rest(&acc, &gyro, Dt::Constant(0.005), &settings)
+    };
+    assert!(!told(sigma, false).unwrap().given_end.unwrap().is_doubtful());
+    let doubtful = told(6.0 * sigma, false).unwrap().given_end.unwrap();
+    assert!(doubtful.is_doubtful() && (doubtful.off_m - 6.0 * sigma).abs() < 1e-6, "{doubtful:?}");
+    let refusal = told(5.0, false).unwrap_err();
+    assert!(matches!(refusal, Error::EndContradicted { .. }), "{refusal:?}");
+    let insisted = told(5.0, true).unwrap();
+    assert!((insisted.position_m[last][0] - at[0] - 5.0).abs() < 0.01);
+    assert!(told(1e300, false).is_err());
+}

@@ -7,10 +7,10 @@ use serde_json::json;
 use shisei_core::filter::Dt;
 use shisei_core::motion::Scheme;
 use shisei_core::motion::foot::{FootSettings, foot};
-use shisei_core::motion::navigation::{NavigationSettings, Phase, Track};
+use shisei_core::motion::navigation::{GivenEnd, NavigationSettings, Phase, Track};
 use shisei_core::motion::rest_to_rest::{RestToRestSettings, rest_to_rest};
 use shisei_core::motion::step_by_step::{StepByStepSettings, step_by_step};
-use shisei_core::{Error, Lang, Vec3, vector};
+use shisei_core::{Error, LARGEST_ACC_M_S2, LARGEST_RATE_RAD_S, Lang, Vec3, vector};
 use shisei_record::Recording;
 use shisei_report::column::Column;
 use shisei_report::figure::{Figure, Item};
@@ -144,16 +144,23 @@ fn track(args: &Motion, recording: &Recording, end: Option<(Vec3, f64)>) -> Resu
     let (acc, gyro) = (&recording.acc_m_s2, &recording.gyro_rad_s);
     let dt = Dt::PerSample(&recording.dt_s);
     let limit = |usual: f64| if args.force { f64::INFINITY } else { usual };
+    let navigation = |usual: NavigationSettings| NavigationSettings {
+        gravity_m_s2: args.gravity,
+        end,
+        max_end_distance: limit(usual.max_end_distance),
+        max_hole_s: limit(usual.max_hole_s),
+        ..usual
+    };
     match args.mode {
         MotionMode::RestToRest => {
             let usual = RestToRestSettings::default();
-            let navigation = NavigationSettings { gravity_m_s2: args.gravity, end, ..usual.navigation };
+            let navigation = navigation(usual.navigation);
             let max_without_rest_s = limit(usual.max_without_rest_s);
             rest_to_rest(acc, gyro, dt, &RestToRestSettings { navigation, max_without_rest_s, ..usual })
         }
         MotionMode::Foot => {
             let usual = FootSettings::default();
-            let navigation = NavigationSettings { gravity_m_s2: args.gravity, end, ..usual.navigation };
+            let navigation = navigation(usual.navigation);
             let max_without_rest_s = limit(usual.max_without_rest_s);
             foot(acc, gyro, dt, &FootSettings { navigation, max_without_rest_s, ..usual })
         }
@@ -166,12 +173,10 @@ fn track(args: &Motion, recording: &Recording, end: Option<(Vec3, f64)>) -> Resu
                 None => usual.scheme,
             };
             let max_without_rest_s = limit(usual.max_without_rest_s);
-            step_by_step(
-                acc,
-                gyro,
-                dt,
-                &StepByStepSettings { scheme, gravity_m_s2: args.gravity, max_without_rest_s },
-            )
+            let max_hole_s = limit(usual.max_hole_s);
+            let gravity_m_s2 = args.gravity;
+            let settings = StepByStepSettings { scheme, gravity_m_s2, max_without_rest_s, max_hole_s };
+            step_by_step(acc, gyro, dt, &settings)
         }
     }
 }
@@ -206,6 +211,21 @@ fn write_csv(out: &mut dyn Write, recording: &Recording, track: &Track) -> io::R
 fn doubts(args: &Motion, recording: &Recording, track: &Track, lang: Lang) -> Vec<String> {
     let mut warnings: Vec<String> =
         recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect();
+    warnings.extend(holes(recording, track, lang));
+    if let Some(end) = track.given_end.filter(GivenEnd::is_doubtful) {
+        let GivenEnd { off_m, sigma_m, distance } = end;
+        warnings.push(say(
+            lang,
+            format!(
+                "The end that was given is {off_m:.3} m from where the readings lead to within {sigma_m:.3} m \
+                 ({distance:.1} standard deviations): one of the two is wrong; the end was believed."
+            ),
+            format!(
+                "指定した終点は、計測値から求めた終点 (標準偏差 {sigma_m:.3} m) から {off_m:.3} m (標準偏差の {distance:.1} 倍) \
+                 離れています。どちらかが誤りです。計算では指定した終点を採用しました。"
+            ),
+        ));
+    }
     if args.mode == MotionMode::Naive {
         warnings.push(say(
             lang,
@@ -221,6 +241,43 @@ fn doubts(args: &Motion, recording: &Recording, track: &Track, lang: Lang) -> Ve
         ));
     }
     warnings
+}
+
+/// What was missing from the samples and bridged.
+fn holes(recording: &Recording, track: &Track, lang: Lang) -> Vec<String> {
+    let mut said = Vec::new();
+    let passed_over = track.passed_over;
+    if passed_over > 0 {
+        said.push(say(
+            lang,
+            format!(
+                "{passed_over} sample(s) are no readings (more than {LARGEST_ACC_M_S2} m/s² or {LARGEST_RATE_RAD_S} \
+                 rad/s, or an acceleration of exactly 0, 0, 0) and were passed over."
+            ),
+            format!(
+                "{passed_over} 個のサンプルは計測値ではないため ({LARGEST_ACC_M_S2} m/s² または {LARGEST_RATE_RAD_S} rad/s を\
+                 超えるか、加速度がちょうど 0, 0, 0)、読み飛ばしました。"
+            ),
+        ));
+    }
+    let longest = track.holes.iter().max_by(|a, b| a.length_s.total_cmp(&b.length_s));
+    if let Some(hole) = longest {
+        let (count, length_s) = (track.holes.len(), hole.length_s);
+        let end_s = recording.time_s.get(hole.row).copied().unwrap_or_default();
+        let at_s = end_s - length_s;
+        said.push(say(
+            lang,
+            format!(
+                "{count} hole(s) in the samples while the sensor moved, the longest of {length_s:.2} s at {at_s:.2} s: \
+                 the band is widened by what may have happened in them."
+            ),
+            format!(
+                "移動中にサンプルの欠けが {count} か所あります (最長は時刻 {at_s:.2} 秒から {length_s:.2} 秒間)。その間に\
+                 起こりえた運動の分だけ誤差幅を広げました。"
+            ),
+        ));
+    }
+    said
 }
 
 fn page(

@@ -254,3 +254,52 @@ fn a_recording_is_not_recorded_as_bytes() {
     assert!(ran.code == 2 && ran.stderr.contains("a recording already"), "{}", ran.stderr);
     assert_eq!(desk.names(), ["take.mcap"]);
 }
+
+#[test]
+fn a_motion_says_what_it_cannot_know() {
+    let desk = Desk::new();
+    let six = std::fs::read_to_string(example("six-face.csv")).expect("the example");
+    let rows: Vec<&str> = six.lines().collect();
+    let with = |at: usize, value: &str| {
+        let mut fields: Vec<&str> = rows[at].split(',').collect();
+        fields[3] = value;
+        let mut rows: Vec<String> = rows.iter().map(|&row| row.to_owned()).collect();
+        rows[at] = fields.join(",");
+        rows.join("\n")
+    };
+    let end = |name: &str| {
+        let ran = desk.run(&["motion", name, "--no-report", "--json", "--lang", "en"]);
+        assert_eq!(ran.code, 0, "{}", ran.stderr);
+        let found: serde_json::Value = serde_json::from_str(&ran.stdout).expect("JSON");
+        let end: Vec<f64> =
+            found["end_m"].as_array().expect("three").iter().map(|x| x.as_f64().expect("finite")).collect();
+        let off = shisei_core::vector::norm([end[0], end[1], end[2]]);
+        (off, found["sigma_end_m"].as_f64().expect("finite"), ran.stderr)
+    };
+    desk.put("six.csv", &six);
+    let (whole, _, _) = end("six.csv");
+    for (at, value) in [(799, "1e300"), (799, "1e6"), (1499, "5000")] {
+        desk.put("wild.csv", with(at, value));
+        let (off, sigma, said) = end("wild.csv");
+        assert!((off - whole).abs() < 3.0 * sigma && sigma < 0.5, "{off} {whole} {sigma}");
+        assert!(said.contains("1 sample(s) are no readings"), "{said}");
+        let ran = desk.run(&["motion", "wild.csv", "--no-report", "--lang", "ja"]);
+        assert!(ran.stderr.contains("1 個のサンプルは計測値ではない"), "{}", ran.stderr);
+    }
+    for (lang, words) in [("en", "insist with --force"), ("ja", "--force で続行")] {
+        let ran = desk.run(&["motion", "six.csv", "--end", "5,0,0", "-o", "no.csv", "--lang", lang]);
+        assert!(ran.code == 1 && ran.stderr.contains(words), "{}", ran.stderr);
+        let ran = desk.run(&["motion", "six.csv", "--end", "1e30,0,0", "-o", "no.csv", "--lang", lang]);
+        assert!(ran.code == 1 && ran.stderr.contains(words), "{}", ran.stderr);
+    }
+    let cut: Vec<&str> = [&rows[..700], &rows[1000..]].concat();
+    desk.put("cut.csv", cut.join("\n"));
+    for (lang, words) in [("en", "insist with --force"), ("ja", "--force で続行")] {
+        let ran = desk.run(&["motion", "cut.csv", "-o", "no.csv", "--lang", lang]);
+        assert!(ran.code == 1 && ran.stderr.contains(words) && ran.stderr.contains("0.5 "), "{}", ran.stderr);
+        let ran = desk.run(&["calibrate", "six.csv", "--gravity", "1", "--lang", lang]);
+        assert!(ran.code == 1 && ran.stderr.contains("--gravity"), "{}", ran.stderr);
+        assert!(!ran.stderr.contains("AccScale"), "{}", ran.stderr);
+    }
+    assert!(!desk.names().contains(&"no.csv".to_owned()));
+}

@@ -113,6 +113,30 @@ impl DeadReckoning {
         self.acc_before = Some(acc);
     }
 
+    /// Over a hole of `dt_s` between two samples (rate, acceleration), the first of them taken already: rate and
+    /// acceleration without gravity go from the one to the other, and count for `share` of the time.
+    #[cfg(feature = "alloc")]
+    pub(super) fn cross(&mut self, ends: [(Vec3, Vec3); 2], dt_s: f64, share: f64, pieces: usize) {
+        let middle = |a: Vec3, b: Vec3, f: f64| vector::add(a, vector::scale(vector::sub(b, a), f));
+        let rates = ends.map(|(gyro, _)| vector::scale(vector::sub(gyro, self.gyro_bias_rad_s), share));
+        let start = self.attitude.orientation();
+        let turned = |f: f64| {
+            let mean = middle(rates[0], rates[1], 0.5 * f);
+            start.product(Quaternion::from_rotation_vector(vector::scale(mean, f * dt_s)))
+        };
+        let up = [0.0, 0.0, self.gravity_m_s2];
+        let linear = [(start, ends[0].1), (turned(1.0), ends[1].1)]
+            .map(|(q, acc)| vector::scale(vector::sub(q.rotate(acc), up), share));
+        let part = 1.0 / pieces as f64;
+        for piece in 0..pieces {
+            let f = (piece as f64 + 0.5) * part;
+            let rate = middle(rates[0], rates[1], f);
+            let force = vector::add(middle(linear[0], linear[1], f), up);
+            let acc = turned(f + 0.5 * part).conjugate().rotate(force);
+            self.update(vector::add(rate, self.gyro_bias_rad_s), acc, dt_s * part);
+        }
+    }
+
     /// What is known now.
     pub fn state(&self) -> MotionState {
         MotionState {

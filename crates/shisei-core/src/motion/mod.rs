@@ -5,6 +5,8 @@ pub mod error_state;
 #[cfg(feature = "alloc")]
 pub mod foot;
 #[cfg(feature = "alloc")]
+pub mod holes;
+#[cfg(feature = "alloc")]
 pub mod navigation;
 #[cfg(feature = "alloc")]
 pub mod rest_to_rest;

@@ -15,8 +15,14 @@ use crate::motion::error_state::{
     ACC_BIAS, ACC_MATRIX, ATTITUDE, Adjoint, Covariance, GYRO_BIAS, GYRO_MATRIX, POSITION, ProcessNoise,
     STATES, State, Step, Update, VELOCITY, propagate, update,
 };
+use crate::motion::holes::{Hole, HoleMotion, hole_from_s, holes};
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
+
+mod bridge;
+mod given_end;
+
+pub use given_end::GivenEnd;
 
 /// What is known of the sensor at a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -103,6 +109,17 @@ pub struct NavigationSettings {
     pub doubtful_rest_s: f64,
     /// Where the last row is, world, m, and how well that is known, m.
     pub end: Option<(Vec3, f64)>,
+    /// An end further from where the readings lead than this many standard deviations (its Mahalanobis distance) is
+    /// refused, 1; default 10. `f64::INFINITY` insists.
+    pub max_end_distance: f64,
+    /// How the body may move where samples are missing.
+    pub hole_motion: HoleMotion,
+    /// Longest hole in the samples that is bridged, s; default 0.5, as for rests
+    /// ([`crate::rest::RestSettings::max_gap_s`]): in half a second a hand or a foot has gone somewhere else.
+    /// `f64::INFINITY` insists.
+    pub max_hole_s: f64,
+    /// The band that is stated is the navigator's own times this, 1; default 1.
+    pub band_factor: f64,
 }
 
 impl Default for NavigationSettings {
@@ -116,6 +133,10 @@ impl Default for NavigationSettings {
             doubtful_distance: 30.0,
             doubtful_rest_s: 2.0,
             end: None,
+            max_end_distance: 10.0,
+            hole_motion: HoleMotion::default(),
+            max_hole_s: 0.5,
+            band_factor: 1.0,
         }
     }
 }
@@ -140,6 +161,12 @@ pub struct Track {
     pub gyro_bias_rad_s: Vec3,
     /// Accelerometer bias at the end, m/s².
     pub acc_bias_m_s2: Vec3,
+    /// Holes in the samples over which it was bridged: the steps into rows not at rest.
+    pub holes: Vec<Hole>,
+    /// Samples that are no readings and were passed over.
+    pub passed_over: usize,
+    /// How the end that was given agrees with the readings.
+    pub given_end: Option<GivenEnd>,
 }
 
 impl Track {
@@ -152,6 +179,8 @@ impl Track {
 const REST_BLOCK_S: f64 = 0.05;
 const STANCE_INTERVAL_S: f64 = 0.01;
 const STORE_INTERVAL_S: f64 = 0.02;
+/// A longer hole in a rest is two rests: what happened meanwhile is not known.
+const REST_HOLE_S: f64 = 0.5;
 /// Kept rows after which the smoother is run at the next rest or stance: bounds the memory to about 200 MB.
 const CHUNK: usize = 60_000;
 /// The same where the end is known, which is to reach back to the start: about 1 GB.
@@ -160,7 +189,8 @@ const CHUNK_WITH_END: usize = 300_000;
 /// Navigates through N rows of corrected or raw readings; `phases` says what is known of each row and must hold
 /// a rest. Rows before the first rest stay at the origin.
 ///
-/// Refuses with [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NoRest`] and the errors of
+/// Refuses with [`Error::LengthMismatch`], [`Error::NotFinite`], [`Error::NoRest`], [`Error::HoleTooLong`],
+/// [`Error::EndContradicted`], [`Error::NoConvergence`] (numbers that are no longer finite) and the errors of
 /// [`Dt::check`].
 pub fn navigate(
     acc_m_s2: &[Vec3],
@@ -188,6 +218,12 @@ pub fn navigate(
         return Err(Error::NoRest { needed_s: REST_BLOCK_S });
     };
     let mut phases = phases.to_vec();
+    let mut holes = holes(dt, first + 1..n, settings.max_hole_s)?;
+    for hole in &holes {
+        if hole.length_s > REST_HOLE_S {
+            phases[hole.row] = Phase::Moving;
+        }
+    }
     // each turn of the loop takes one rest away, or is the last
     loop {
         let mut run = Run::new(acc_m_s2, gyro_rad_s, dt, &phases, first, settings);
@@ -202,7 +238,9 @@ pub fn navigate(
             phases.get_mut(rest).unwrap_or(&mut []).fill(Phase::Moving);
             continue;
         }
-        run.finish();
+        run.finish()?;
+        holes.retain(|h| run.track.phases[h.row - 1..=h.row] != [Phase::Rest; 2]);
+        run.track.holes = holes;
         return Ok(run.track);
     }
 }
@@ -233,6 +271,12 @@ struct Run<'a> {
     updates_at: Vec<bool>,
     settings: &'a NavigationSettings,
     noise: ProcessNoise,
+    /// Longer steps are holes, s.
+    hole_from_s: f64,
+    /// Variance that holes left on the heading, rad², and the stances or rests until it is put back.
+    heading_doubt: (f64, u8),
+    /// The row after the first hole that was bridged.
+    bridged: Option<usize>,
     rest_gyro_variance: f64,
     rest_acc_variance: f64,
     p: Covariance,
@@ -334,6 +378,9 @@ impl<'a> Run<'a> {
             longest_without_rest_s: 0.0,
             gyro_bias_rad_s: [0.0; 3],
             acc_bias_m_s2: [0.0; 3],
+            holes: Vec::new(),
+            passed_over: 0,
+            given_end: None,
         };
         Run {
             acc,
@@ -343,6 +390,9 @@ impl<'a> Run<'a> {
             updates_at: update_rows(phases, dt, first),
             settings,
             noise,
+            hole_from_s: hole_from_s(dt),
+            heading_doubt: (0.0, 0),
+            bridged: None,
             rest_gyro_variance: gyro_variance,
             rest_acc_variance: acc_variance,
             p,
@@ -376,6 +426,9 @@ impl<'a> Run<'a> {
     fn row(&mut self, row: usize) {
         let mut resting = self.phases[row] == Phase::Rest;
         let came_from_rest = row > self.first && self.phases[row - 1] == Phase::Rest;
+        if row > self.first && self.phases[row] == Phase::Moving && self.phases[row - 1] != Phase::Moving {
+            self.leave_stance();
+        }
         if row > self.first && !(resting && came_from_rest) {
             self.step(row);
         }
@@ -419,6 +472,7 @@ impl<'a> Run<'a> {
         }
         let last = row + 1 == self.acc.len();
         if last && let Some((end, sigma)) = self.settings.end {
+            self.track.given_end = Some(self.compare(end, sigma));
             for i in 0..3 {
                 let mut h = [0.0; STATES];
                 h[POSITION + i] = 1.0;
@@ -433,10 +487,12 @@ impl<'a> Run<'a> {
         let next_is_measured = self.updates_at.get(row + 1).is_none_or(|u| *u);
         let phase_changes = self.phases.get(row + 1).is_some_and(|p| (*p == Phase::Rest) != resting);
         let enters_rest = resting && !came_from_rest;
+        let hole_follows = row + 1 < self.acc.len() && self.dt.at(row + 1) > self.hole_from_s;
         if self.updates_at[row]
             || next_is_measured
             || phase_changes
             || enters_rest
+            || hole_follows
             || row == self.chunk_start
             || self.since_store_s >= STORE_INTERVAL_S
         {
@@ -465,6 +521,9 @@ impl<'a> Run<'a> {
     /// From row − 1 to row.
     fn step(&mut self, row: usize) {
         let dt_s = self.dt.at(row);
+        if dt_s > self.hole_from_s {
+            return self.bridge(row);
+        }
         let before = row.saturating_sub(1);
         let rate = vector::scale(vector::add(self.corrected_rate(before), self.corrected_rate(row)), 0.5);
         let (acc_before, acc_after) = (self.corrected_acc(before), self.corrected_acc(row));
@@ -634,7 +693,13 @@ impl<'a> Run<'a> {
         t.sigma_position_m[row] = sigma;
     }
 
-    fn finish(&mut self) {
+    fn finish(&mut self) -> Result<()> {
+        if let Some(end) = self.track.given_end
+            && end.distance > self.settings.max_end_distance
+        {
+            let GivenEnd { off_m, sigma_m, distance } = end;
+            return Err(Error::EndContradicted { distance, off_m, sigma_m });
+        }
         let last = self.acc.len() - 1;
         if self.chunk_start <= last {
             self.smooth_back(last);
@@ -643,6 +708,13 @@ impl<'a> Run<'a> {
         self.track.phases = core::mem::take(&mut self.phases);
         self.track.gyro_bias_rad_s = self.gyro_bias;
         self.track.acc_bias_m_s2 = self.acc_bias;
+        for row in 0..=last {
+            let sigma = self.track.sigma_position_m[row];
+            self.track.sigma_position_m[row] = vector::scale(sigma, self.band_factor(row));
+        }
+        let t = &self.track;
+        let mut numbers = t.position_m.iter().chain(&t.velocity_m_s).chain(&t.sigma_position_m);
+        if numbers.all(|v| vector::is_finite(*v)) { Ok(()) } else { Err(Error::NoConvergence) }
     }
 }
 

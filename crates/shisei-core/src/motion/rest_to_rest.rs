@@ -10,6 +10,7 @@ use core::ops::Range;
 use crate::error::{Error, Result};
 use crate::filter::Dt;
 use crate::math;
+use crate::motion::holes::{Readings, sampled_s};
 use crate::motion::navigation::{NavigationSettings, Phase, Track, longest_without_rest_s, navigate};
 use crate::rest::{RestSettings, find_rests};
 use crate::vector::Vec3;
@@ -55,7 +56,7 @@ pub fn find_quiet_rests(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt: Dt<'_>) -> R
     let widest = RestSettings { min_length_s: MIN_REST_S, window_s: 0.4, ..RestSettings::default() };
     let rows = acc_m_s2.len();
     let all = find_rests(acc_m_s2, gyro_rad_s, dt, &widest)?;
-    let duration: f64 = (0..rows).map(|k| dt.at(k)).sum();
+    let duration = sampled_s(dt, 0..rows);
     let per_block = (widest.block_s / (duration / rows.max(1) as f64)).max(1.0);
     // deviation of a block's mean (root of three axes' sum) by white noise
     let root = math::sqrt(3.0 / per_block);
@@ -194,7 +195,7 @@ pub fn rest_phases(
 }
 
 /// Velocity and position of a recording that begins (and, for a good result, ends) at rest; acc and gyro N rows,
-/// m/s² and rad/s.
+/// m/s² and rad/s. Samples that are no readings are passed over.
 ///
 /// Refuses with [`Error::NoRest`], [`Error::TooLongWithoutRest`] and the errors of [`navigate`].
 pub fn rest_to_rest(
@@ -203,6 +204,10 @@ pub fn rest_to_rest(
     dt: Dt<'_>,
     settings: &RestToRestSettings,
 ) -> Result<Track> {
+    if let Some(kept) = Readings::of(acc_m_s2, gyro_rad_s, dt) {
+        let track = rest_to_rest(&kept.acc, &kept.gyro, Dt::PerSample(&kept.dt_s), settings);
+        return kept.spread(track.map_err(|error| kept.refusal(error))?, &settings.navigation);
+    }
     let rests = match &settings.rests {
         Some(rests) => find_rests(acc_m_s2, gyro_rad_s, dt, rests)?,
         None => find_quiet_rests(acc_m_s2, gyro_rad_s, dt)?,

@@ -3,6 +3,7 @@
 
 use alloc::vec::Vec;
 
+use super::holes::{Readings, hole_from_s};
 use super::navigation::{NavigationSettings, Phase, Track, navigate};
 use super::rest_to_rest::{MIN_REST_S, RestToRestSettings, check_rests, find_quiet_rests, rest_phases};
 use super::{DeadReckoning, Scheme};
@@ -20,6 +21,8 @@ pub struct StepByStepSettings {
     pub gravity_m_s2: f64,
     /// Longest time without a rest, s; infinity for none.
     pub max_without_rest_s: f64,
+    /// Longest hole in the samples that is bridged, s; infinity for any.
+    pub max_hole_s: f64,
 }
 
 impl Default for StepByStepSettings {
@@ -28,6 +31,7 @@ impl Default for StepByStepSettings {
             scheme: Scheme::SemiImplicit,
             gravity_m_s2: STANDARD_GRAVITY_M_S2,
             max_without_rest_s: RestToRestSettings::default().max_without_rest_s,
+            max_hole_s: NavigationSettings::default().max_hole_s,
         }
     }
 }
@@ -43,14 +47,20 @@ pub fn step_by_step(
     dt: Dt<'_>,
     settings: &StepByStepSettings,
 ) -> Result<Track> {
+    if let Some(kept) = Readings::of(acc_m_s2, gyro_rad_s, dt) {
+        let track = step_by_step(&kept.acc, &kept.gyro, Dt::PerSample(&kept.dt_s), settings);
+        let navigation =
+            NavigationSettings { max_hole_s: settings.max_hole_s, ..NavigationSettings::default() };
+        return kept.spread(track.map_err(|error| kept.refusal(error))?, &navigation);
+    }
     let rests = find_quiet_rests(acc_m_s2, gyro_rad_s, dt)?;
     let no_rest = Error::NoRest { needed_s: MIN_REST_S };
     let first = rests.first().ok_or(no_rest)?;
     let usual = RestToRestSettings::default();
     let phases = rest_phases(acc_m_s2, gyro_rad_s, dt, core::slice::from_ref(first), usual.trim_s);
     check_rests(&phases, dt, MIN_REST_S, settings.max_without_rest_s)?;
-    let navigation =
-        NavigationSettings { gravity_m_s2: settings.gravity_m_s2, ..NavigationSettings::default() };
+    let StepByStepSettings { gravity_m_s2, max_hole_s, .. } = *settings;
+    let navigation = NavigationSettings { gravity_m_s2, max_hole_s, ..NavigationSettings::default() };
     let mut track = navigate(acc_m_s2, gyro_rad_s, dt, &phases, &navigation)?;
     let at_rest: Vec<usize> = (0..phases.len()).filter(|k| phases[*k] == Phase::Rest).collect();
     let (Some(&start), Some(&stop)) = (at_rest.first(), at_rest.last()) else { return Err(no_rest) };
@@ -59,8 +69,18 @@ pub fn step_by_step(
     let gravity = rest::mean_norm(&acc_m_s2[still.clone()])?;
     let bias = rest::gyro_bias(&gyro_rad_s[still])?;
     let mut dead = DeadReckoning::new(start, bias, gravity, settings.scheme)?;
+    let hole_from_s = hole_from_s(dt);
     for k in 0..acc_m_s2.len() {
-        let state = if k <= stop { dead.state() } else { dead.update(gyro_rad_s[k], acc_m_s2[k], dt.at(k)) };
+        let state = if k <= stop {
+            dead.state()
+        } else if dt.at(k) > hole_from_s {
+            let ends = [k - 1, k].map(|k| (gyro_rad_s[k], acc_m_s2[k]));
+            let bridge = navigation.hole_motion.bridge(dt.at(k), [[0.0; 3]; 2], [[0.0; 3]; 2]);
+            dead.cross(ends, dt.at(k), bridge.share, bridge.pieces);
+            dead.state()
+        } else {
+            dead.update(gyro_rad_s[k], acc_m_s2[k], dt.at(k))
+        };
         track.velocity_m_s[k] = state.velocity_m_s;
         track.position_m[k] = state.position_m;
         track.world_from_body[k] = state.world_from_body;

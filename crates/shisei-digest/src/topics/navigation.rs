@@ -41,13 +41,20 @@ pub fn error_state(digest: &mut Digest) {
 }
 
 pub fn navigate(digest: &mut Digest) {
-    let Recording { gyro_rad_s, acc_m_s2, dt_s } = recording(71, 260);
+    let Recording { gyro_rad_s, acc_m_s2, mut dt_s } = recording(71, 260);
     let mut phases = [Phase::Moving; 260];
     phases[..192].fill(Phase::Rest);
     phases[215..225].fill(Phase::Stance);
     let dt = Dt::PerSample(&dt_s);
     digest.push(navigation::longest_without_rest_s(&phases, dt));
-    let settings = NavigationSettings { end: Some(([0.1, 0.2, 0.0], 0.01)), ..NavigationSettings::default() };
+    let settings = NavigationSettings {
+        end: Some(([0.1, 0.2, 0.0], 0.01)),
+        max_end_distance: f64::INFINITY,
+        max_hole_s: f64::INFINITY,
+        ..NavigationSettings::default()
+    };
+    dt_s[230] = 0.2;
+    let dt = Dt::PerSample(&dt_s);
     let found = navigation::navigate(&acc_m_s2, &gyro_rad_s, dt, &phases, &settings);
     digest.push_result(found, |digest, track| push_track(digest, &track));
 }

@@ -252,10 +252,10 @@ def axis(forward: Any) -> list[float] | None:
     return [sign if letter == at else 0.0 for at in "xyz"]
 
 
-def warn_of_doubts(gyro_rad_s: Floats, acc_m_s2: Floats, step: float | Floats) -> None:
-    """A UserWarning for every doubt about units and readings, at the caller of the caller."""
+def warn_of_doubts(gyro_rad_s: Floats, acc_m_s2: Floats, step: float | Floats, level: int = 3) -> None:
+    """A UserWarning for every doubt about units and readings, at the caller of the caller or `level` calls up."""
     for sentence in doubts(acc_m_s2, gyro_rad_s, step):
-        warnings.warn(sentence, UserWarning, stacklevel=3)
+        warnings.warn(sentence, UserWarning, stacklevel=level)
 
 
 def warn_of_attitudes(start: Any, forward: Any, gravity_m_s2: float) -> None:

@@ -129,6 +129,8 @@ def navigate(
     dt_s: float | NDArray[float64],
     gravity_m_s2: float,
     max_without_rest_s: float,
+    max_hole_s: float,
+    max_end_distance: float,
     end: tuple[list[float], float] | None,
 ) -> dict[str, Any]: ...
 def multi_pose(
