@@ -1,15 +1,11 @@
-//! Readings that no sensor gives, in a recording that is otherwise in order: an axis that never moves, values far
+//! Readings that no sensor gives, in a recording that is otherwise in order: an axis that never moves, values
 //! beyond any range; for readings that come without a file, units that cannot be right; and attitudes that say little
 //! of a heading. Nothing is changed; it is said.
 
 use crate::judge::{self, Agreement, Level};
 use crate::recording::{Findings, Note, Recording};
-use shisei_core::{Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3, heading};
+use shisei_core::{LARGEST_ACC_M_S2, LARGEST_RATE_RAD_S, Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3, heading};
 
-/// Largest rate that is believed, rad/s: sensors read up to 4000 deg/s.
-const LARGEST_RAD_S: f64 = 100.0;
-/// Largest acceleration that is believed, m/s²: sensors for impacts read up to 400 g.
-const LARGEST_M_S2: f64 = 5000.0;
 /// No motion sensor gives more samples a second.
 const LARGEST_RATE_HZ: f64 = 50_000.0;
 /// No recording lasts longer, s: thirty years.
@@ -155,7 +151,9 @@ fn impossible(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3]) -> Vec<Note> {
             ),
         ));
     }
-    for (rows, limit, unit) in [(acc_m_s2, LARGEST_M_S2, "m/s²"), (gyro_rad_s, LARGEST_RAD_S, "rad/s")] {
+    for (rows, limit, unit) in
+        [(acc_m_s2, LARGEST_ACC_M_S2, "m/s²"), (gyro_rad_s, LARGEST_RATE_RAD_S, "rad/s")]
+    {
         let large = |v: &Vec3| v.iter().any(|x| x.abs() > limit);
         // Whole stretches first: they go at the speed of the memory.
         let all_small =
@@ -168,13 +166,13 @@ fn impossible(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3]) -> Vec<Note> {
         out.push(Note::new(
             "beyond-any-sensor",
             format!(
-                "{count} sample(s), the first of them number {number}, are larger than any sensor reads (more than \
-                 {limit} {unit}); the filter shisei passes over them, the others take them as they are; repair or \
-                 remove them"
+                "{count} sample(s), the first of them number {number}, are larger than sensors of motion read (more \
+                 than {limit} {unit}); the filter shisei, fusion and motion pass over them, everything else takes them \
+                 as they are; repair or remove them"
             ),
             format!(
-                "どのセンサの測定範囲も超える値 ({limit} {unit} 超) が {count} サンプルあります (最初は {number} 番目)。\
-                 フィルタ shisei は読み飛ばしますが、ほかのフィルタはそのまま使います。修正するか除いてください"
+                "モーションセンサの測定範囲を超える値 ({limit} {unit} 超) が {count} サンプルあります (最初は {number} 番目)。\
+                 フィルタ shisei、fuse、motion は読み飛ばしますが、それ以外の計算ではそのまま使います。修正するか除いてください"
             ),
         ));
     }
