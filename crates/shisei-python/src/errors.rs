@@ -115,16 +115,6 @@ fn own_words(function: &str, error: &Error, lang: Lang) -> Option<String> {
     let Error::Core(error) = *error else { return None };
     let say = |en: &str, ja: &str| Some(if lang == Lang::Ja { ja } else { en }.to_owned());
     match (function, error) {
-        (_, CoreError::TooLongWithoutRest { seconds, limit_s }) => say(
-            &format!(
-                "the sensor moved for {seconds:.1} s without a rest, more than the {limit_s} s for which position can be \
-                 trusted; rest more often, or insist with a larger max_without_rest_s"
-            ),
-            &format!(
-                "静止なしで {seconds:.1} 秒動いています。位置を信頼できる上限は {limit_s} 秒です。途中で静止させるか、\
-                 max_without_rest_s を大きくして続行してください"
-            ),
-        ),
         ("allan_deviation", CoreError::TooFewPoints { given, needed }) => say(
             &format!("{given} readings were given and {needed} are needed; record for longer"),
             &format!("計測値が {given} 個しかありません ({needed} 個必要)。もっと長く計測してください"),

@@ -4,7 +4,9 @@
 
 use crate::judge::{self, Agreement, Level};
 use crate::recording::{Findings, Note, Recording};
-use shisei_core::{LARGEST_ACC_M_S2, LARGEST_RATE_RAD_S, Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3, heading};
+use shisei_core::{
+    LARGEST_ACC_M_S2, LARGEST_RATE_RAD_S, Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3, heading,
+};
 
 /// No motion sensor gives more samples a second.
 const LARGEST_RATE_HZ: f64 = 50_000.0;
