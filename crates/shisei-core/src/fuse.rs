@@ -7,22 +7,27 @@
 //! off beside the gap's two ends, so that next to nothing jumps: in position linearly from the one to the other, in
 //! attitude as the mean of a Gauss–Markov process that is known at both ends.
 //!
+//! The smoother is cut where inertial samples are missing for longer than 0.1 s: a body in a hand may be anywhere after
+//! that, and no more could be said than that. What lies in a gap before such a hole is held by the gap's beginning
+//! only, what lies after it by the gap's end only; in between, and between two holes, there is no pose.
+//!
 //! Markers of the body that are seen while it is lost hold its position ([`markers`], [`fuse_with_markers`]).
 //! [`delayed`] does the same to a stream, a second or two late.
 
 pub mod delayed;
+mod fill;
 pub mod markers;
 pub mod relative;
 
 use alloc::vec::Vec;
 
+use self::fill::{Motion, PIN_S, fill, forgetting, off};
 use self::markers::Held;
 use crate::alignment::Alignment;
 use crate::error::{Error, Result};
-use crate::estimator::{self, BridgeSettings, Bridged, Calibration, OpticalPose, Points};
+use crate::estimator::{self, BridgeSettings, Calibration, OpticalPose, Points};
 use crate::filter::{Dt, same_length};
 use crate::frames::{Axes, Pose};
-use crate::math;
 use crate::quaternion::Quaternion;
 use crate::sync::gyro_path::Stamp;
 use crate::sync::lever::{Lever, lever_arm};
@@ -35,16 +40,13 @@ const MARGIN_S: f64 = 2.0;
 const LEVER_SIGMA_M: f64 = 0.03;
 /// Poses of neighbouring frames further apart than this many usual steps are not interpolated.
 const NEIGHBOUR_STEPS: f64 = 1.5;
-/// Over so much of sight beside a gap the smoother is compared with the cameras, s.
-const PIN_S: f64 = 0.1;
-/// What the cameras are off in attitude depends on the attitude, and so is forgotten as the body turns: in this time,
-/// s, where it is turned about.
-const FORGET_S: f64 = 2.0;
 /// So often a gap is filled with the markers that agree with it as it was filled before: the better it is known, the
 /// better it tells which do.
 const ROUNDS: usize = 4;
-/// Inertial samples further apart than this leave a hole, s.
+/// Inertial samples further apart than this leave a hole, s, whatever the usual step is; steps up to so many usual ones
+/// leave none.
 const HOLE_S: f64 = 0.1;
+const HOLE_STEPS: f64 = 1.5;
 
 /// What the cameras saw: one row a frame.
 #[derive(Clone, Copy, Debug)]
@@ -100,9 +102,10 @@ pub enum Source {
     Optical,
     /// The sensor, held at both ends by the cameras, or at times by markers.
     Bridged,
-    /// The sensor, not held at both ends, or for too long: the attitude goes on, the position is not to be trusted.
+    /// The sensor, held at one end only, for a hole in its samples or the recording's end lies on the other side, or
+    /// for too long: the attitude goes on, the position is not to be trusted.
     Inertial,
-    /// Neither.
+    /// Neither: [`Unfilled`] says why.
     None,
 }
 
@@ -158,6 +161,19 @@ pub struct FilledGap {
     pub sigma_rad: f64,
     /// As above, m.
     pub sigma_m: f64,
+    /// Its frames without a pose.
+    pub unfilled: Unfilled,
+}
+
+/// Frames of a gap that have no pose, by what is missing.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unfilled {
+    /// Inertial samples.
+    pub silent: usize,
+    /// Something that holds the sensor: holes in the inertial samples lie on both sides.
+    pub loose: usize,
+    /// The tool's holder ([`relative`] only).
+    pub holder: usize,
 }
 
 /// The whole take.
@@ -236,13 +252,15 @@ pub fn fuse_with_markers(
     let seen = Seen::new(optical);
     let measured: Vec<Option<OpticalPose>> =
         time_s.iter().map(|time_s| seen.at(*time_s).map(|pose| alignment.sensor(&pose))).collect();
-    let mut estimator = estimator::Settings { gravity_m_s2: alignment.gravity_m_s2, ..Default::default() };
+    let hole_s = HOLE_S.max(HOLE_STEPS * step_s);
+    let mut estimator =
+        estimator::Settings { gravity_m_s2: alignment.gravity_m_s2, gap_s: hole_s, ..Default::default() };
     estimator.calibration = None;
     let (dt, optics) = (Dt::PerSample(&steps), &settings.optics);
     let filled = |points: &[Points], held: &[bool]| {
         let (bridged, calibration) =
             estimator::bridge_by_points(&acc, &gyro, dt, &measured, points, optics, &estimator)?;
-        let motion = Motion { time_s, bridged: &bridged, alignment: &alignment };
+        let motion = Motion { time_s, bridged: &bridged, alignment: &alignment, hole_s };
         Ok::<_, Error>((fill(optical, held, &motion, settings), calibration))
     };
     let mut held =
@@ -322,174 +340,6 @@ fn between(a: &Pose, b: &Pose, share: f64) -> Pose {
         position_m: vector::add(a.position_m, vector::scale(step, share)),
         world_from_body: Quaternion::slerp(a.world_from_body, b.world_from_body, share).normalized(),
     }
-}
-
-/// The smoother's motion as a function of optical time.
-struct Motion<'a> {
-    time_s: &'a [f64],
-    bridged: &'a [Bridged],
-    alignment: &'a Alignment,
-}
-
-/// The body and the errors expected.
-struct Moved {
-    pose: Pose,
-    sigma_rad: f64,
-    sigma_m: f64,
-}
-
-impl Motion<'_> {
-    fn at(&self, time_s: f64) -> Option<Moved> {
-        let after = self.time_s.partition_point(|t| *t < time_s);
-        let last = after.checked_sub(1).or((self.time_s.first() == Some(&time_s)).then_some(0))?;
-        let next = after.max(1);
-        let (t0, t1) = (self.time_s[last], *self.time_s.get(next)?);
-        if t1 - t0 > HOLE_S {
-            return None;
-        }
-        let (a, b) = (&self.bridged[last], &self.bridged[next]);
-        let (h, u) = (t1 - t0, (time_s - t0) / (t1 - t0));
-        // a cubic through both positions and velocities
-        let (u2, u3) = (u * u, u * u * u);
-        let weights =
-            [2.0 * u3 - 3.0 * u2 + 1.0, h * (u3 - 2.0 * u2 + u), 3.0 * u2 - 2.0 * u3, h * (u3 - u2)];
-        let mut position_m = [0.0; 3];
-        for axis in 0..3 {
-            position_m[axis] = weights[0] * a.position_m[axis]
-                + weights[1] * a.velocity_m_s[axis]
-                + weights[2] * b.position_m[axis]
-                + weights[3] * b.velocity_m_s[axis];
-        }
-        let q = Quaternion::slerp(a.state.world_from_body, b.state.world_from_body, u);
-        let sigma = |state: &estimator::State| math::hypot(state.sigma_tilt_rad, state.sigma_heading_rad);
-        Some(Moved {
-            pose: self.alignment.body(&OpticalPose { world_from_body: q, position_m }),
-            sigma_rad: sigma(&a.state).max(sigma(&b.state)),
-            sigma_m: a.sigma_position_m.max(b.sigma_position_m),
-        })
-    }
-}
-
-/// What the smoother is off by at a frame that was seen: a rotation vector and a shift in the world.
-fn off(seen: &Pose, moved: &Pose) -> (Vec3, Vec3) {
-    let turn = seen.world_from_body.product(moved.world_from_body.conjugate()).to_rotation_vector();
-    (turn, vector::sub(seen.position_m, moved.position_m))
-}
-
-/// Mean of what the smoother is off by over the frames that were seen next to a gap.
-fn off_over(
-    frames: impl Iterator<Item = usize>,
-    optical: &Optical<'_>,
-    motion: &Motion<'_>,
-) -> Option<(Vec3, Vec3)> {
-    let (mut turn, mut shift, mut count) = ([0.0; 3], [0.0; 3], 0.0);
-    let mut from_s = None;
-    for frame in frames {
-        let time_s = optical.time_s[frame];
-        let near = (time_s - *from_s.get_or_insert(time_s)).abs() <= PIN_S;
-        let (true, Some(seen), Some(moved)) = (near, optical.poses[frame], motion.at(time_s)) else { break };
-        let (by, along) = off(&seen, &moved.pose);
-        turn = vector::add(turn, by);
-        shift = vector::add(shift, along);
-        count += 1.0;
-    }
-    (count > 0.0).then(|| (vector::scale(turn, 1.0 / count), vector::scale(shift, 1.0 / count)))
-}
-
-/// Weights of what is known at both ends of a gap for a Gauss–Markov process in between.
-fn forgetting(age_s: f64, length_s: f64) -> (f64, f64) {
-    let kept = |seconds: f64| math::exp(-seconds / FORGET_S);
-    let (from, to, across) = (kept(age_s), kept(length_s - age_s), kept(length_s));
-    let free = 1.0 - across * across;
-    if free <= 0.0 {
-        return (1.0, 0.0);
-    }
-    ((from - across * to) / free, (to - across * from) / free)
-}
-
-/// `held`: frames in which a marker holds the position.
-fn fill(
-    optical: &Optical<'_>,
-    held: &[bool],
-    motion: &Motion<'_>,
-    settings: &FuseSettings,
-) -> (Vec<FusedFrame>, Vec<FilledGap>) {
-    let (time_s, poses) = (optical.time_s, optical.poses);
-    let mut frames: Vec<FusedFrame> = poses
-        .iter()
-        .map(|pose| FusedFrame {
-            pose: *pose,
-            source: if pose.is_some() { Source::Optical } else { Source::None },
-            gap_s: 0.0,
-            sigma_rad: if pose.is_some() { settings.optics.attitude_rad } else { f64::NAN },
-            sigma_m: if pose.is_some() { settings.optics.position_m } else { f64::NAN },
-        })
-        .collect();
-    let mut gaps = Vec::new();
-    let mut first = 0;
-    while first < poses.len() {
-        if poses[first].is_some() {
-            first += 1;
-            continue;
-        }
-        let end = (first..poses.len()).find(|&k| poses[k].is_some()).unwrap_or(poses.len());
-        let before = first.checked_sub(1);
-        let left = before.and_then(|last| off_over((0..=last).rev(), optical, motion));
-        let right = off_over(end..poses.len(), optical, motion);
-        let from_s = before.map_or(time_s[first], |frame| time_s[frame]);
-        let to_s = time_s.get(end).copied().unwrap_or(time_s[end - 1]);
-        let length_s = to_s - from_s;
-        let pinned = left.is_some() && right.is_some();
-        // times at which the position was last known and is known next
-        let mut last_s = before.filter(|_| left.is_some()).map(|frame| time_s[frame]);
-        let end_s = right.is_some().then_some(to_s);
-        let mut next_held = first;
-        let (left, right) = (left.or(right).unwrap_or_default(), right.or(left).unwrap_or_default());
-        let source = Source::Bridged;
-        let mut gap = FilledGap { first, end, length_s, source, sigma_rad: 0.0, sigma_m: 0.0 };
-        for frame in first..end {
-            if held[frame] {
-                last_s = Some(time_s[frame]);
-            }
-            if next_held < end && (next_held < frame || !held[next_held]) {
-                next_held = (frame..end).find(|&k| held[k]).unwrap_or(end);
-            }
-            let next_s = if next_held < end { Some(time_s[next_held]) } else { end_s };
-            let unknown_s = last_s.zip(next_s).map_or(f64::INFINITY, |(last, next)| next - last);
-            let source =
-                if unknown_s <= settings.position_trust_s { Source::Bridged } else { Source::Inertial };
-            frames[frame].gap_s = time_s[frame] - last_s.unwrap_or(from_s);
-            let Some(moved) = motion.at(time_s[frame]) else {
-                gap.source = Source::None;
-                continue;
-            };
-            let share = if length_s > 0.0 { (time_s[frame] - from_s) / length_s } else { 0.0 };
-            let mix = |(a, b): (Vec3, Vec3), (of_a, of_b): (f64, f64)| {
-                vector::add(vector::scale(a, of_a), vector::scale(b, of_b))
-            };
-            let linear = (1.0 - share, share);
-            let turning = if pinned { forgetting(time_s[frame] - from_s, length_s) } else { linear };
-            let turn = Quaternion::from_rotation_vector(mix((left.0, right.0), turning));
-            frames[frame].pose = Some(Pose {
-                position_m: vector::add(moved.pose.position_m, mix((left.1, right.1), linear)),
-                world_from_body: turn.product(moved.pose.world_from_body).normalized(),
-            });
-            frames[frame].source = source;
-            frames[frame].sigma_rad = moved.sigma_rad;
-            frames[frame].sigma_m = moved.sigma_m;
-            if gap.source == Source::Bridged {
-                gap.source = source;
-            }
-            gap.sigma_rad = gap.sigma_rad.max(moved.sigma_rad);
-            gap.sigma_m = gap.sigma_m.max(moved.sigma_m);
-        }
-        if gap.source == Source::None {
-            (gap.sigma_rad, gap.sigma_m) = (f64::NAN, f64::NAN);
-        }
-        gaps.push(gap);
-        first = end;
-    }
-    (frames, gaps)
 }
 
 /// The middle value; 0 for none.

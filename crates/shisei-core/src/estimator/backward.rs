@@ -191,6 +191,16 @@ impl<const N: usize> Adjoint<N> {
         }
     }
 
+    /// Back through a start anew of all that moves.
+    pub(super) fn restart_all(&mut self) {
+        self.restart();
+        self.vector[2] = 0.0;
+        self.matrix[2] = [0.0; N];
+        for row in &mut self.matrix {
+            row[2] = 0.0;
+        }
+    }
+
     /// Back through a start of which nothing before is known.
     pub(super) fn forget(&mut self) {
         *self = Adjoint::new();

@@ -29,6 +29,9 @@ const LOST: f64 = 0.5;
 const SHORT: f64 = 0.002;
 /// How far apart rates are still alike, in usual steps; chosen, as the next, on BROAD's even trials at 50 Hz.
 const ALIKE_STEPS: f64 = 9.0;
+/// In a hole that is longer than the samples beside it tell of they are alike for so many times its length, or the
+/// course's bend across it would be no more than a guess.
+const ALIKE_HOLES: f64 = 1.5;
 /// The variance that is stated, as a multiple of the course's: what the filter makes of an error is more than its turn.
 const DOUBT: f64 = 9.0;
 /// Share of a rate's variance that it has for itself: keeps C regular where samples are close.
@@ -141,7 +144,7 @@ impl Nodes {
 
     fn between(&self, hole: Hole) -> Between {
         let n = self.count;
-        let per_s = 1.0 / (ALIKE_STEPS * hole.usual_s);
+        let per_s = 1.0 / (ALIKE_STEPS * hole.usual_s).max(ALIKE_HOLES * hole.missing_s);
         // a mean over another length than a sample's differs from that by the course's bend
         let longer = (hole.missing_s * hole.missing_s - hole.usual_s * hole.usual_s) * per_s * per_s / 24.0;
         let mut root = [[0.0; NODES]; NODES];

@@ -15,6 +15,7 @@ use super::runner::{Runner, heading_between};
 use super::segments::Recording;
 use super::settings::Settings;
 use super::smoother::{CHUNK, InTurn, lengths, rests, run};
+use super::told::told;
 use crate::error::Result;
 use crate::filter::{self, Dt, positive};
 use crate::quaternion::Quaternion;
@@ -48,7 +49,8 @@ pub struct Bridged {
     pub velocity_m_s: Vec3,
     /// Position of the optical body's point, m.
     pub position_m: Vec3,
-    /// Its standard deviation, all axes together, m.
+    /// Its standard deviation, all axes together, m; infinite after a hole in the samples until the filter has started
+    /// anew, for there it follows from nothing.
     pub sigma_position_m: f64,
 }
 
@@ -105,6 +107,15 @@ pub(crate) fn bridge_by_points(
     let turned = |point: Point| Point { position_m: place(point.position_m), ..point };
     let points: Vec<Points> = points.iter().map(|row| row.map(|point| point.map(turned))).collect();
     let bounds = bounds(&poses, &points, dt);
+    let told = told(acc_m_s2, gyro_rad_s, dt, &poses, settings);
+    // the sample that ends a hole only ends what was before it: the next one is where the filter starts anew
+    let ends_hole = |k: usize| k > 0 && dt.at(k) > settings.gap_s;
+    let poses: Vec<_> = poses.iter().enumerate().map(|(k, pose)| pose.filter(|_| !ends_hole(k))).collect();
+    let points: Vec<Points> = points
+        .iter()
+        .enumerate()
+        .map(|(k, row)| if ends_hole(k) { Points::default() } else { *row })
+        .collect();
     let mut recording = Recording {
         acc: acc_m_s2,
         gyro: gyro_rad_s,
@@ -115,6 +126,7 @@ pub(crate) fn bridge_by_points(
         noise,
         points: &points,
         bounds: &bounds,
+        told: &told,
     };
     let rest = rests(&recording, settings);
     recording.rest = &rest;

@@ -4,7 +4,9 @@
 use super::calibration::Calibration;
 use super::covariance::Covariance;
 use super::guard::Reading;
-use super::model::{BA, BG, Corrected, Interval, LEVER, MG, Nominal, PHI, POS, SA, STATES_WITH_LEVER, VEL};
+use super::model::{
+    BA, BG, Corrected, Interval, LEVER, MG, Nominal, PHI, POS, SA, STATES, STATES_WITH_LEVER, VEL,
+};
 use super::settings::Model;
 use super::transition::Transition;
 use crate::filter::exponential::{advance, exp_half};
@@ -55,6 +57,8 @@ pub(crate) type Points = [Option<Point>; POINTS];
 pub(super) enum Sight<'a> {
     Pose(&'a OpticalPose, &'a OpticalNoise),
     Points(&'a Points),
+    /// Nothing, but what they saw later tells where to start anew after a hole.
+    Told(&'a Told),
 }
 
 impl<'a> Sight<'a> {
@@ -62,8 +66,13 @@ impl<'a> Sight<'a> {
     pub(super) fn pose(self) -> Option<&'a OpticalPose> {
         match self {
             Sight::Pose(pose, _) => Some(pose),
-            Sight::Points(_) => None,
+            Sight::Points(_) | Sight::Told(..) => None,
         }
+    }
+
+    /// True where it tells the attitude, so that no level need be found.
+    pub(super) fn tells_attitude(self) -> bool {
+        !matches!(self, Sight::Points(_))
     }
 }
 
@@ -73,6 +82,20 @@ pub(super) struct OpticalNoise {
     pub attitude_rad: f64,
     pub position_m: f64,
     pub lever_m: f64,
+}
+
+/// A sample's motion as later poses tell it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Told {
+    pub sample: usize,
+    /// Attitude of the sensor, and place of the optical body's point.
+    pub pose: OpticalPose,
+    /// m/s, world.
+    pub velocity: Vec3,
+    /// Standard deviations: rad, m/s, m.
+    pub sigma_rad: f64,
+    pub sigma_m_s: f64,
+    pub sigma_m: f64,
 }
 
 /// Most triples of measurements at the end of an interval.
@@ -173,6 +196,9 @@ const BLIND_RATE: f64 = 1.0;
 const BLIND_FORCE: f64 = 5.0;
 /// At rest a rate farther from the bias than this many standard deviations says that the bias jumped.
 const JUMP_SIGMAS: f64 = 6.0;
+/// How fast an acceleration leaves the course between the samples beside a hole, m/s³: what is off in the velocity is
+/// this times the hole's length squared (bridging only).
+const HOLE_JERK: f64 = 12.0;
 /// Start of velocity and position: standard deviations, m/s and m.
 const VELOCITY_START: f64 = 0.3;
 const POSITION_START: f64 = 0.3;
@@ -256,6 +282,16 @@ impl<const N: usize> Engine<N> {
         self.gyro_change = [0.0; 3];
     }
 
+    /// Starts anew from a motion that later poses tell, heading and all.
+    pub(super) fn restart_told(&mut self, told: &Told) {
+        let q = told.pose.world_from_body;
+        self.restart(q, told.sigma_rad);
+        let (a, v, p) = (told.sigma_rad, told.sigma_m_s, told.sigma_m);
+        self.covariance.restart_moving([a, a, a, v, v, v, p, p, p]);
+        self.nominal.velocity = told.velocity;
+        self.nominal.position = vector::sub(told.pose.position_m, q.rotate(self.nominal.lever));
+    }
+
     /// Moves the nominal state by a reading.
     #[inline]
     pub(super) fn add(&mut self, reading: &Reading) {
@@ -332,6 +368,10 @@ impl<const N: usize> Engine<N> {
         let acc = vector::scale(vector::add(acc_before, reading.acc), 0.5);
         let filled = Reading { gyro: rate, acc, dt_s: missing_s, irregular: 0.0, between: None, ..*reading };
         self.add(&filled);
+        if N > STATES {
+            let off = HOLE_JERK * missing_s * missing_s;
+            self.sums.unseen_velocity += off * off;
+        }
     }
 
     /// Ends the interval: covariance, measurements, nominal state.
@@ -358,7 +398,7 @@ impl<const N: usize> Engine<N> {
         match optical {
             Some(Sight::Pose(pose, noise)) => self.measure_pose(pose, noise, &mut error),
             Some(Sight::Points(points)) => self.measure_points(points, &mut error),
-            None => self.measure_bounds(rest, t, &mut error),
+            Some(Sight::Told(..)) | None => self.measure_bounds(rest, t, &mut error),
         }
         if let Some((off, variance)) = at_rest {
             self.step.take(&mut self.covariance, &mut error, Rows::States(BG), off, variance);
@@ -445,7 +485,8 @@ impl<const N: usize> Engine<N> {
             + sq(BLIND_RATE * sums.blind_rate_s);
         let acc = sq(m.velocity_noise) * t
             + sq(m.velocity_noise_per_change) * sums.acc_change_squared
-            + sq(BLIND_FORCE * sums.blind_force_s);
+            + sq(BLIND_FORCE * sums.blind_force_s)
+            + sums.unseen_velocity;
         let p = &mut self.covariance.0;
         for j in 0..3 {
             let own = if j < 2 { m.tilt_noise } else { m.heading_noise };

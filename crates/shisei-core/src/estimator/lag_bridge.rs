@@ -268,6 +268,7 @@ impl Rows {
             noise,
             points: &[],
             bounds: &self.bounds,
+            told: &[],
         }
     }
 
@@ -287,7 +288,7 @@ impl Rows {
 
 /// The filter was started anew in this segment.
 fn starts(segment: &Segment) -> bool {
-    matches!(segment.kind, Kind::Level | Kind::Start)
+    matches!(segment.kind, Kind::Level | Kind::Anew | Kind::Start)
 }
 
 /// Nothing is known.

@@ -40,6 +40,8 @@ mod segments;
 mod settings;
 #[cfg(feature = "alloc")]
 mod smoother;
+#[cfg(feature = "alloc")]
+mod told;
 mod transition;
 mod watch;
 

@@ -144,6 +144,8 @@ pub(super) struct Interval {
     pub rate_bend_squared: f64,
     /// Covariance of the turns for which no sample stands, rad², world.
     pub unseen: [Vec3; 3],
+    /// Variance of velocities for which no sample stands, (m/s)².
+    pub unseen_velocity: f64,
     /// Σ y dt, rad.
     pub gyro: Vec3,
     /// Length, s.

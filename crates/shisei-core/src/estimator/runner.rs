@@ -145,7 +145,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             level.add(&reading, nominal.rate(reading.gyro), nominal.force(reading.acc));
             let level = *level;
             if level.time_s + 0.5 * reading.dt_s < self.settings.level_s
-                && sight.and_then(Sight::pose).is_none()
+                && !sight.is_some_and(Sight::tells_attitude)
             {
                 return if begins { Event::LevelBegins } else { Event::Levelling };
             }
@@ -257,6 +257,10 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             let mut q = own.product(level.attitude()).normalized();
             if let Some(pose) = sight.and_then(Sight::pose) {
                 q = pose.world_from_body;
+            }
+            if let Some(Sight::Told(told)) = sight {
+                engine.restart_told(told);
+                continue;
             }
             engine.restart(q, sigma);
             if off > UNCALIBRATED {

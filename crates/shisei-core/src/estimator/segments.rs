@@ -5,7 +5,7 @@ use core::ops::Range;
 
 use super::between::{AHEAD, Stepped};
 use super::covariance::Covariance;
-use super::engine::{OpticalNoise, OpticalPose, Points, Sight, Step};
+use super::engine::{OpticalNoise, OpticalPose, Points, Sight, Step, Told};
 use super::guard::Sample;
 use super::model::Nominal;
 use super::runner::{Event, Runner};
@@ -23,6 +23,8 @@ pub(super) enum Kind {
     Tail,
     /// The level after a gap: only the heading and the sensor are those of before.
     Level,
+    /// A start anew from a motion that was told from later on: only the sensor is that of before.
+    Anew,
     /// The level at the start, or after the filter was given up: nothing is.
     Start,
 }
@@ -70,6 +72,8 @@ pub(super) struct Recording<'a> {
     pub points: &'a [Points],
     /// How strongly the motion is bounded without a pose, 0 … 1, one a sample, or none at all.
     pub bounds: &'a [f64],
+    /// Where to start anew after a hole, by ascending samples.
+    pub told: &'a [Told],
 }
 
 impl Recording<'_> {
@@ -85,6 +89,9 @@ impl Recording<'_> {
     fn sight(&self, k: usize) -> Option<Sight<'_>> {
         if let Some(Some(pose)) = self.poses.get(k) {
             return Some(Sight::Pose(pose, &self.noise));
+        }
+        if let Ok(place) = self.told.binary_search_by_key(&k, |told| told.sample) {
+            return Some(Sight::Told(&self.told[place]));
         }
         self.points.get(k).filter(|points| points[0].is_some()).map(Sight::Points)
     }
@@ -165,7 +172,13 @@ impl<const N: usize, const E: usize> Forward<N, E> {
                 segment.heading_lost = lost_before;
                 Some(segment)
             }
-            Event::Levelled => Some(self.levelled(k + 1)),
+            Event::Levelled => {
+                let mut segment = self.levelled(k + 1);
+                if matches!(sight, Some(Sight::Told(..))) {
+                    segment.kind = Kind::Anew;
+                }
+                Some(segment)
+            }
             Event::Closed => Some(self.end(k + 1, Kind::Interval, self.step().before)),
             Event::GivenUp => {
                 self.given_up = true;

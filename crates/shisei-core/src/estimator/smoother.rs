@@ -96,6 +96,7 @@ pub fn smooth_each(
         noise,
         points: &[],
         bounds: &[],
+        told: &[],
     };
     let rest = rests(&recording, settings);
     recording.rest = &rest;
@@ -311,6 +312,8 @@ impl<const N: usize> Backward<'_, N> {
         };
         let blank = State::new(Quaternion::IDENTITY, [0.0; 3], smoothed.gyro_bias, *covariance, false);
         let count = segment.samples.len() as f64;
+        // while a start anew is sought the position follows from nothing
+        let unplaced = matches!(segment.kind, Kind::Level | Kind::Anew);
         for (place, k) in segment.samples.clone().enumerate() {
             let passing = &chunk.passing[k - chunk.first];
             let share = (place as f64 + 1.0) / count;
@@ -332,7 +335,11 @@ impl<const N: usize> Backward<'_, N> {
                 state,
                 velocity: vector::add(passing.velocity, between(start_speed, end_speed)),
                 position: vector::add(own, q.rotate(smoothed.lever)),
-                sigma_position: *sigma_position,
+                sigma_position: if unplaced && place + 1 < segment.samples.len() {
+                    f64::INFINITY
+                } else {
+                    *sigma_position
+                },
             };
             sink(k, &detail);
         }
@@ -345,6 +352,7 @@ pub(super) fn back<const N: usize>(adjoint: &mut Adjoint<N>, kind: Kind, step: &
         Kind::Interval => adjoint.back(step, p),
         Kind::Tail => {}
         Kind::Level => adjoint.restart(),
+        Kind::Anew => adjoint.restart_all(),
         Kind::Start => adjoint.forget(),
     }
 }
@@ -375,7 +383,18 @@ mod tests {
 
     fn plain<'a>(acc: &'a [Vec3], gyro: &'a [Vec3], dt: Dt<'a>) -> Recording<'a> {
         let noise = OpticalNoise { attitude_rad: 1.0, position_m: 1.0, lever_m: 0.0 };
-        Recording { acc, gyro, bias: [0.0; 3], dt, rest: &[], poses: &[], noise, points: &[], bounds: &[] }
+        Recording {
+            acc,
+            gyro,
+            bias: [0.0; 3],
+            dt,
+            rest: &[],
+            poses: &[],
+            noise,
+            points: &[],
+            bounds: &[],
+            told: &[],
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@
 
 use alloc::vec::Vec;
 
-use super::{FilledGap, FusedFrame, HOLE_S, Inertial, Optical, Seen, Source, check_poses, middle};
+use super::{FilledGap, FusedFrame, HOLE_S, Inertial, Optical, Seen, Source, Unfilled, check_poses, middle};
 use crate::alignment;
 use crate::error::{Error, Result};
 use crate::estimator::{self, Calibration, State};
@@ -188,7 +188,7 @@ pub fn relative(
             }
         });
     }
-    let gaps = gaps(optical, &frames);
+    let gaps = gaps(optical, &sensed, &frames);
     Ok(Relative { frames, gaps, reference, tilt_off_rad: rest.angle(), calibration: smoothed.calibration })
 }
 
@@ -205,7 +205,7 @@ fn ascending(time_s: &[f64]) -> Result<()> {
 }
 
 /// Where the holder was lost.
-fn gaps(optical: &Optical<'_>, frames: &[FusedFrame]) -> Vec<FilledGap> {
+fn gaps(optical: &Optical<'_>, sensed: &Sensed<'_>, frames: &[FusedFrame]) -> Vec<FilledGap> {
     let mut gaps = Vec::new();
     let mut first = 0;
     while first < frames.len() {
@@ -215,7 +215,13 @@ fn gaps(optical: &Optical<'_>, frames: &[FusedFrame]) -> Vec<FilledGap> {
         }
         let end = (first..frames.len()).find(|&k| optical.poses[k].is_some()).unwrap_or(frames.len());
         let time = |row: usize| optical.time_s[row.min(frames.len() - 1)];
-        let filled = frames[first..end].iter().all(|frame| frame.pose.is_some());
+        let mut unfilled = Unfilled::default();
+        for row in (first..end).filter(|&row| frames[row].pose.is_none()) {
+            let silent = sensed.at(optical.time_s[row]).is_none();
+            unfilled.silent += usize::from(silent);
+            unfilled.holder += usize::from(!silent);
+        }
+        let filled = unfilled == Unfilled::default();
         let largest = |of: fn(&FusedFrame) -> f64| {
             if filled { frames[first..end].iter().map(of).fold(0.0, f64::max) } else { f64::NAN }
         };
@@ -226,6 +232,7 @@ fn gaps(optical: &Optical<'_>, frames: &[FusedFrame]) -> Vec<FilledGap> {
             source: if filled { Source::Inertial } else { Source::None },
             sigma_rad: largest(|frame| frame.sigma_rad),
             sigma_m: largest(|frame| frame.sigma_m),
+            unfilled,
         });
         first = end;
     }
