@@ -130,10 +130,8 @@ fn a_hole_in_a_long_gap_leaves_both_its_sides_as_good_as_is_said() {
                 gap.length_s
             );
             assert!(worst.0 < 3.5 && worst.1 < 3.5, "{worst:?}");
-            assert!(
-                sides[0] > 0.1 && sides[1] > 0.1 && most[0] < 3000.0 && most[1] < 3000.0,
-                "{sides:?} {most:?}"
-            );
+            assert!(sides.iter().all(|side_mm| (0.3..10.0).contains(side_mm)), "{sides:?}");
+            assert!(most[0].max(most[1]) < 3000.0, "{most:?}");
         }
     }
 }

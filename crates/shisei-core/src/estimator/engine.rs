@@ -55,7 +55,7 @@ pub(crate) type Points = [Option<Point>; POINTS];
 /// What the cameras saw at a sample.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sight<'a> {
-    Pose(&'a OpticalPose, &'a OpticalNoise),
+    Pose(&'a OpticalPose, OpticalNoise),
     Points(&'a Points),
     /// Nothing, but what they saw later tells where to start anew after a hole.
     Told(&'a Told),
@@ -96,7 +96,30 @@ pub(super) struct Told {
     pub sigma_rad: f64,
     pub sigma_m_s: f64,
     pub sigma_m: f64,
+    /// From this sample on poses are seen again: up to these two their positions are taken in coarsely.
+    pub seen: usize,
+    pub coarse_until: [usize; 2],
 }
+
+impl Told {
+    /// The noise of the pose at a sample from [`Told::seen`] on. A state that is known a thousand times less well than a
+    /// pose would lose all digits of what is left of its variance if it were corrected at once; a pose or two later
+    /// nothing is lost by that.
+    pub(super) fn noise(&self, sample: usize, noise: &OpticalNoise) -> OpticalNoise {
+        let [first, second] = self.coarse_until;
+        let position_m = if sample < first {
+            noise.position_m.max(COARSE_M[0])
+        } else if sample < second {
+            noise.position_m.max(COARSE_M[1])
+        } else {
+            noise.position_m
+        };
+        OpticalNoise { position_m, ..*noise }
+    }
+}
+
+/// How well positions are taken in after a start anew, one update and another, m.
+const COARSE_M: [f64; 2] = [0.1, 0.005];
 
 /// Most triples of measurements at the end of an interval.
 pub(super) const TRIPLES: usize = 3;
@@ -396,7 +419,7 @@ impl<const N: usize> Engine<N> {
         let at_rest = (rest && sums.blind_rate_s == 0.0).then(|| self.rate_at_rest(&sums));
         let mut error = [0.0; N];
         match optical {
-            Some(Sight::Pose(pose, noise)) => self.measure_pose(pose, noise, &mut error),
+            Some(Sight::Pose(pose, noise)) => self.measure_pose(pose, &noise, &mut error),
             Some(Sight::Points(points)) => self.measure_points(points, &mut error),
             Some(Sight::Told(..)) | None => self.measure_bounds(rest, t, &mut error),
         }

@@ -73,7 +73,7 @@ impl LiveBridge {
         let density = if bound > 0.0 { 1.0 / bound } else { 0.0 };
         let model = &mut self.runner.engines[0].model;
         (model.speed_floor, model.position_spread) = (density, density);
-        let measured = pose.as_ref().map(|pose| Sight::Pose(pose, &self.noise));
+        let measured = pose.as_ref().map(|pose| Sight::Pose(pose, self.noise));
         let rate = vector::sub(sample.gyro_rad_s, self.bridged.state.gyro_bias_rad_s);
         let turns = vector::norm(rate) > REST_RATE_RAD_S;
         match self.runner.take(sample, turns.then_some(false), measured) {

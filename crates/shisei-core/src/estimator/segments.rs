@@ -88,7 +88,12 @@ impl Recording<'_> {
     /// What the cameras saw at sample k.
     fn sight(&self, k: usize) -> Option<Sight<'_>> {
         if let Some(Some(pose)) = self.poses.get(k) {
-            return Some(Sight::Pose(pose, &self.noise));
+            let started = self.told.partition_point(|told| told.seen <= k);
+            let noise = match started.checked_sub(1).and_then(|place| self.told.get(place)) {
+                Some(told) => told.noise(k, &self.noise),
+                None => self.noise,
+            };
+            return Some(Sight::Pose(pose, noise));
         }
         if let Ok(place) = self.told.binary_search_by_key(&k, |told| told.sample) {
             return Some(Sight::Told(&self.told[place]));

@@ -3,7 +3,7 @@
 //! The next pose is carried back along the readings to the sample behind the one that ends the hole, so that all that
 //! comes between is linear about the truth: found as the start of a recording is, from gravity alone, the attitude would
 //! be off by too much. It must not count as a measurement, and so is said to be known several times less well than it
-//! is; a good deal less still, and rounding would show in what the smoother says of its errors.
+//! is.
 
 use alloc::vec::Vec;
 
@@ -25,6 +25,8 @@ const VELOCITY: f64 = 0.05;
 const VELOCITY_GROWS: f64 = 0.3;
 const VELOCITY_UNKNOWN: f64 = 3.0;
 const POSITION: f64 = 0.02;
+/// Longer than an update, so that one falls within, s.
+const COARSE_S: f64 = 0.04;
 const POSITION_UNKNOWN: f64 = 3.0;
 /// Carried back for longer than this velocity and position say nothing, s.
 const LONGEST_S: f64 = 4.0;
@@ -40,6 +42,17 @@ struct Samples<'a> {
 impl Samples<'_> {
     fn is_hole(&self, k: usize) -> bool {
         self.dt.at(k) > self.settings.gap_s
+    }
+
+    /// The first sample that comes so much later, s.
+    fn after(&self, sample: usize, later_s: f64) -> usize {
+        let mut time_s = 0.0;
+        let rows = self.gyro.len();
+        let far = |k: &usize| {
+            time_s += self.dt.at(*k).max(0.0);
+            time_s > later_s
+        };
+        (sample + 1..rows).find(far).unwrap_or(rows)
     }
 
     /// The turn of a step, and the length of the step; none where nothing could be read.
@@ -110,6 +123,8 @@ impl Samples<'_> {
             sigma_rad: math::hypot(self.settings.level_sigma_rad, drift).min(1.0),
             sigma_m_s: (speed + VELOCITY_GROWS * time_s).min(VELOCITY_UNKNOWN),
             sigma_m: (POSITION + moved).min(POSITION_UNKNOWN),
+            seen: last,
+            coarse_until: [self.after(last, COARSE_S), self.after(last, 2.0 * COARSE_S)],
         })
     }
 }
