@@ -96,6 +96,13 @@ pub enum Problem {
         /// The usual time, s.
         usual_s: f64,
     },
+    /// No sample of the recording lies between the first pulse and the last.
+    PulseNone {
+        /// First and last pulse, s.
+        pulses_s: [f64; 2],
+        /// First and last sample, s.
+        samples_s: [f64; 2],
+    },
     /// There is another number of pulses than the take has frames.
     PulseCount {
         /// Pulses in the file.
@@ -221,6 +228,10 @@ fn english(problem: &Problem) -> String {
             usual_s * 1e3,
             if step_s > usual_s { "pulses are missing" } else { "there is one too many" }
         ),
+        Problem::PulseNone { pulses_s: [from, to], samples_s: [first, last] } => format!(
+            "no sample lies between the first and the last pulse: the pulses go from {from:.3} to {to:.3} s and the \
+             recording from {first:.3} to {last:.3} s; are they in seconds, and on the recording's clock?"
+        ),
         Problem::PulseCount { counted, total } => format!(
             "the pulse file holds {counted} pulses and the take has {total} frames; it belongs to another take, or \
              pulses were lost at its ends; choose the right one, or use --sync rates"
@@ -301,6 +312,10 @@ fn japanese(problem: &Problem) -> String {
             step_s * 1e3,
             usual_s * 1e3,
             if step_s > usual_s { "パルスの欠落です" } else { "余分なパルスです" }
+        ),
+        Problem::PulseNone { pulses_s: [from, to], samples_s: [first, last] } => format!(
+            "最初のパルスから最後のパルスまでの間にサンプルがありません。パルスは {from:.3}〜{to:.3} 秒、記録は \
+             {first:.3}〜{last:.3} 秒です。パルスの時刻は秒単位で、慣性センサの記録と同じ時計で書かれていますか"
         ),
         Problem::PulseCount { counted, total } => format!(
             "パルスは {counted} 個、テイクは {total} フレームです。別のテイクのパルスか、両端での欠落です。\

@@ -52,7 +52,8 @@ impl Take {
     /// recording's clock ([`read_pulses`]); NaN before the first pulse and after the last.
     ///
     /// Refused: another number of pulses than `Total Frames in Take` (than the last frame's number, where the take does
-    /// not say it), and an interval that is half as long again as the usual one, or shorter than two thirds of it.
+    /// not say it), an interval that is half as long again as the usual one, or shorter than two thirds of it, and
+    /// samples of which none lies between the first pulse and the last.
     pub fn pulses_s(&self, pulses_s: &[f64], sample_s: &[f64]) -> Result<Vec<f64>> {
         let rate_hz = self.rate_hz()?;
         let mut steps: Vec<f64> = pulses_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
@@ -85,6 +86,13 @@ impl Take {
             let Some(before) = after.checked_sub(1) else { return f64::NAN };
             before as f64 + (time_s - pulses_s[before]) / (pulses_s[after] - pulses_s[before])
         };
-        Ok(sample_s.iter().map(|time_s| frame(time_s) / rate_hz).collect())
+        let times_s: Vec<f64> = sample_s.iter().map(|time_s| frame(time_s) / rate_hz).collect();
+        if let ([from, .., to], [first, .., last], true) =
+            (pulses_s, sample_s, times_s.iter().all(|time_s| time_s.is_nan()))
+        {
+            let problem = Problem::PulseNone { pulses_s: [*from, *to], samples_s: [*first, *last] };
+            return Err(self.refuse(problem));
+        }
+        Ok(times_s)
     }
 }
