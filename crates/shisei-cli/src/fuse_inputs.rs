@@ -4,7 +4,7 @@ use shisei_core::frames::{Axes, Pose};
 use shisei_core::fuse::relative::{RelativeSettings, relative};
 use shisei_core::fuse::{self, FuseSettings, Fusion, Inertial, Optical};
 use shisei_core::sync::rates::{RatesSettings, Start};
-use shisei_core::{Lang, Quaternion, Vec3, Ypr, math, vector};
+use shisei_core::{Error, Lang, Quaternion, Vec3, Ypr, math, vector};
 use shisei_record::motive::{self, LossRule, Take};
 use shisei_record::{Input, Recording};
 
@@ -48,8 +48,13 @@ pub fn fused(args: &Fuse, lang: Lang) -> Outcome<Done> {
     let (frames, gaps, how, mut warnings);
     if args.mode == ModeName::Relative {
         let settings = held(args, &take, from, lang)?;
-        let found = relative(&optical, &inertial, &settings).map_err(failed)?;
-        warnings = notes(&recording, lang);
+        let found = relative(&optical, &inertial, &settings).map_err(|error| match args.reference {
+            Some(frame) if matches!(error, Error::NoReference { .. }) => {
+                Failure::core(&format!("{name}, --reference {frame}"), error, lang)
+            }
+            _ => failed(error),
+        })?;
+        warnings = notes(&take, &recording, lang);
         warnings.extend(tilt_warning(found.tilt_off_rad, lang));
         how = How::Held {
             reference: take.frame[found.reference],
@@ -72,7 +77,7 @@ pub fn fused(args: &Fuse, lang: Lang) -> Outcome<Done> {
         if args.sync != SyncName::Rates {
             check_sequence(&take, &fusion, lang)?;
         }
-        warnings = all_warnings(&recording, &fusion, from, lang);
+        warnings = all_warnings(&take, &recording, &fusion, lang);
         let names = markers.into_iter().map(|marker| marker.name);
         how = How::Bridged {
             sync: Box::new(fusion.sync),
@@ -187,8 +192,8 @@ fn tilt_warning(off_rad: f64, lang: Lang) -> Option<String> {
     })
 }
 
-fn notes(recording: &Recording, lang: Lang) -> Vec<String> {
-    recording.warnings.iter().map(|note| note.sentence(lang).to_owned()).collect()
+fn notes(take: &Take, recording: &Recording, lang: Lang) -> Vec<String> {
+    take.warnings.iter().chain(&recording.warnings).map(|note| note.sentence(lang).to_owned()).collect()
 }
 
 fn recording(args: &Fuse, lang: Lang) -> Outcome<Recording> {
@@ -249,9 +254,9 @@ fn check_sequence(take: &Take, fusion: &Fusion, lang: Lang) -> Outcome<()> {
     )))
 }
 
-fn all_warnings(recording: &Recording, fusion: &Fusion, from: Axes, lang: Lang) -> Vec<String> {
-    let mut all = notes(recording, lang);
-    let sync = &fusion.sync;
+fn all_warnings(take: &Take, recording: &Recording, fusion: &Fusion, lang: Lang) -> Vec<String> {
+    let mut all = notes(take, recording, lang);
+    let (sync, from) = (&fusion.sync, take.axes());
     if sync.runner_up > AMBIGUOUS * sync.explained {
         all.push(say(
             lang,

@@ -111,6 +111,11 @@ pub enum Error {
         /// Its value.
         value: f64,
     },
+    /// The reference frame of a tool that is held shows no holder, or no samples of its sensor.
+    NoReference {
+        /// True where the samples are missing, false where the holder is.
+        silent: bool,
+    },
     /// An acceleration is zero and shows no direction.
     ZeroAcceleration,
     /// An axis is too near to the vertical to have a heading.
@@ -206,6 +211,7 @@ impl Error {
             | Error::NotARotation
             | Error::ZeroAcceleration
             | Error::OutOfRange { .. }
+            | Error::NoReference { .. }
             | Error::NotPositive { .. }
             | Error::Negative { .. }
             | Error::OutOfOrder { .. } => Kind::Domain,
@@ -296,6 +302,11 @@ fn english(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::OutOfRange { rule, value } => {
             write!(f, "a parameter is {value}, out of its range; needed: {rule}")
         }
+        Error::NoReference { silent } => write!(
+            f,
+            "in the reference frame {}; choose a frame in which the parent is seen and the sensor has samples",
+            if silent { "there are no samples of the sensor" } else { "the parent is lost" }
+        ),
         Error::ZeroAcceleration => write!(
             f,
             "the acceleration is zero and does not show where up is; give one that contains gravity"
@@ -398,6 +409,15 @@ fn japanese(error: Error, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         Error::OutOfRange { rule, value } => {
             write!(f, "パラメータの値 {value} が範囲外です。必要な条件: {rule}")
         }
+        Error::NoReference { silent } => write!(
+            f,
+            "基準フレーム{}。親が見えていて、センサの記録もあるフレームを指定してください",
+            if silent {
+                "の時刻にセンサの記録がありません"
+            } else {
+                "で親が失われています"
+            }
+        ),
         Error::ZeroAcceleration => {
             write!(f, "加速度がゼロのため上向きが決まりません。重力を含む加速度を指定してください")
         }
@@ -493,6 +513,8 @@ mod tests {
             Error::NotPositive { name: "dt", value: 0.0 },
             Error::Negative { name: "kp", value: -1.0 },
             Error::OutOfRange { rule: "0 <= alpha <= 1", value: 2.0 },
+            Error::NoReference { silent: true },
+            Error::NoReference { silent: false },
             Error::ZeroAcceleration,
             Error::AxisNearVertical { angle_rad: 0.1 },
             Error::NoRest { needed_s: 1.0 },

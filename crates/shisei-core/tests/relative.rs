@@ -87,7 +87,7 @@ fn what_cannot_be_placed_is_refused() {
     let (mut frames, _, simulation) = take();
     let default = RelativeSettings::default();
     let lost = RelativeSettings { reference: Some(2500), ..default };
-    assert!(matches!(placed(&frames, &simulation, &lost), Err(Error::OutOfRange { .. })));
+    assert!(matches!(placed(&frames, &simulation, &lost), Err(Error::NoReference { silent: false })));
     let beyond = RelativeSettings { reference: Some(1 << 40), ..default };
     assert!(matches!(placed(&frames, &simulation, &beyond), Err(Error::OutOfRange { .. })));
     let weightless = RelativeSettings { gravity_m_s2: 0.0, ..default };

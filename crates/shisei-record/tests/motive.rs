@@ -34,9 +34,18 @@ fn tool(frames: &[Frame]) -> Body<'_> {
     Body { name: "Tool", bone: false, parent: "", frames, markers: true }
 }
 
+/// What the take is said to lack, in English; there is Japanese too.
+fn said(take: &Take) -> Vec<&str> {
+    for warning in &take.warnings {
+        assert!(warning.sentence(Lang::Ja).starts_with("テイク"), "{}", warning.sentence(Lang::Ja));
+    }
+    take.warnings.iter().map(|warning| warning.sentence(Lang::En)).collect()
+}
+
 fn take_of(text: &str) -> Take {
     let take = read(&Input { name: "take.csv", bytes: text.as_bytes() }).expect("a take");
     assert!(looks_like(text.as_bytes()) && !is_ours(text.as_bytes()));
+    assert_eq!(said(&take), [""; 0]);
     take
 }
 
@@ -245,6 +254,57 @@ fn a_filled_take_reads_as_it_was_filled() {
     }
 }
 
+#[test]
+fn what_a_take_lacks_is_said() {
+    let frames = filmed(3);
+    let text = csv(&[tool(&frames)], RATE_HZ, &Style::default());
+    let read_text = |text: &str| read(&Input { name: "take.csv", bytes: text.as_bytes() }).expect("a take");
+    // cut off in the time of frame 121, in its frame number, in its last cell, and between two rows
+    let row = text.find("\r\n121,1.008333,").expect("the row") + 2;
+    let row_end = row + text[row..].find('\r').expect("its end");
+    for (end, warnings) in [(row + 6, 2), (row + 2, 2), (row_end - 1, 2), (row, 1)] {
+        let take = read_text(&text[..end]);
+        assert_eq!((take.frame.last(), take.len()), (Some(&120), 121));
+        let said = said(&take);
+        assert_eq!(said.len(), warnings, "{said:?}");
+        assert!(said[warnings - 1].contains("has 121 frames, and its first row says 241"), "{said:?}");
+        assert!(warnings == 1 || said[0].contains("(line 129) ends in its middle"), "{said:?}");
+        // what is written says how much it is, and is whole
+        let mut bytes = Vec::new();
+        write(&mut bytes, &take, Decimals::Shortest).expect("memory");
+        let again = read(&Input { name: "again.csv", bytes: &bytes }).expect("our own file");
+        assert_eq!((again.exported_frames(), again.total_frames()), (Some(121), Some(241)));
+        assert_eq!((again.len(), again.warnings.len()), (121, 0));
+        assert!(again.stamp_s.is_sorted());
+    }
+    // two rows left out
+    let after = row_end + 2 + text[row_end + 2..].find('\n').expect("a row") + 1;
+    let take = read_text(&format!("{}{}", &text[..row], &text[after..]));
+    assert_eq!((take.len(), take.frame[120], take.frame[121]), (239, 120, 123));
+    let said_of = said(&take);
+    assert!(
+        said_of.len() == 2 && said_of[0].contains("239 frames") && said_of[0].contains("241"),
+        "{said_of:?}"
+    );
+    assert!(said_of[1].contains("2 frame numbers are missing") && said_of[1].contains("after frame 120"));
+    // every second frame is no loss
+    let heading = text.find("\r\n0,0.000000,").expect("the first row") + 2;
+    let half: String = text[heading..].split_inclusive('\n').step_by(2).collect();
+    let half = format!("{}{half}", text[..heading].replacen("Exported Frames,241", "Exported Frames,121", 1));
+    assert_eq!(said(&read_text(&half)), [""; 0]);
+    // a time that goes back is none
+    let take = read_text(&text.replacen("\r\n130,1.083333,", "\r\n130,1.0,", 1));
+    assert!(
+        take.stamp_s[130].is_nan()
+            && said(&take)
+                == [
+                    "the take's time column goes back at frame 130 (1 in all); those cells are taken as blank, and time is counted by frame numbers"
+                ],
+        "{:?}",
+        said(&take)
+    );
+}
+
 /// Every refusal says what and where, in both languages.
 fn refused(text: &str) -> shisei_record::motive::Error {
     let error = read(&Input { name: "take.csv", bytes: text.as_bytes() }).expect_err("refused");
@@ -262,7 +322,7 @@ fn bad_takes_are_refused_with_their_place() {
     assert!(matches!(refused("").problem, Problem::Bytes(_)));
     let lines: Vec<&str> = text.lines().collect();
     assert_eq!(refused(&lines[..7].join("\n")).problem, Problem::NoFrames);
-    let swapped = [&lines[..9], &[lines[10], lines[9]]].concat().join("\n");
+    let swapped = [&lines[..9], &[lines[10], lines[9], ""]].concat().join("\n");
     let error = refused(&swapped);
     assert_eq!((&error.problem, error.place.line), (&Problem::FrameOrder { before: 3, now: 2 }, Some(11)));
     let error = refused(&text.replacen("\r\n2,0.016667,", "\r\n2,0.016667,oops", 1));
@@ -303,6 +363,7 @@ fn the_real_sample_reads_right_and_writes_back() {
     };
     let take = read(&Input { name: "sample.csv", bytes: &bytes }).expect("the sample");
     assert_eq!((take.len(), take.version(), take.total_frames()), (250, "1.21", Some(250)));
+    assert_eq!(said(&take), [""; 0]);
     assert_eq!(take.info("Take Name"), Some("Take 2016-01-05 03.49.50 PM"));
     assert_eq!(take.rate_hz(), Ok(120.0));
     assert_eq!((take.axes(), take.style.time_heading.as_str()), (Axes::YUp, "Time"));
@@ -346,6 +407,14 @@ fn camera_pulses_give_the_samples_their_frames() {
     assert!(refused(&missing).contains("pulse 3 comes 20.200 ms") && refused(&missing).contains("missing"));
     assert!(refused(&[2.0, 2.0101, 2.012, 2.0202, 2.0303]).contains("one too many"));
     assert!(refused(&[2.0]).contains("too few"));
+    // in ms in place of s
+    let thousandfold: Vec<f64> = all.iter().map(|pulse_s| pulse_s * 1e3).collect();
+    let none = take.pulses_s(&thousandfold, &[1.9, 2.0, 2.05]).expect_err("no sample between");
+    assert!(
+        none.sentence(Lang::En).contains("no sample lies between")
+            && none.sentence(Lang::En).contains("in seconds")
+    );
+    assert!(none.sentence(Lang::Ja).contains("2000.000〜2040.400 秒"), "{}", none.sentence(Lang::Ja));
     for (text, word) in [
         ("", "empty"),
         ("1\n", "too few"),

@@ -104,7 +104,7 @@ fn heading(q: Quaternion) -> Option<Quaternion> {
 /// Places a tool: `optical` is its holder, `inertial` its sensor with times on the optical clock.
 ///
 /// Refused: unequal lengths, numbers that are not finite, times that do not ascend, a gravity that is not positive;
-/// [`Error::OutOfRange`] for a reference in which the holder was lost or the sensor silent; [`Error::TooFewPoints`]
+/// [`Error::NoReference`] for a reference in which the holder was lost or the sensor silent; [`Error::TooFewPoints`]
 /// where no frame has both; [`Error::Degenerate`] where the tool points straight down from what its sensor says, so
 /// that no heading can be told.
 pub fn relative(
@@ -137,10 +137,11 @@ pub fn relative(
     let reference = match settings.reference {
         Some(row) if row < optical.poses.len() && both(&row) => row,
         Some(row) => {
-            return Err(Error::OutOfRange {
-                rule: "reference frame with parent and sensor",
-                value: row as f64,
-            });
+            let seen = optical
+                .poses
+                .get(row)
+                .ok_or(Error::OutOfRange { rule: "0 <= reference < frames", value: row as f64 })?;
+            return Err(Error::NoReference { silent: seen.is_some() });
         }
         None => (0..optical.poses.len()).find(both).ok_or(Error::TooFewPoints { given: 0, needed: 1 })?,
     };

@@ -13,6 +13,7 @@
 mod body;
 mod error;
 mod loss;
+mod note;
 mod pulses;
 mod read;
 mod take;

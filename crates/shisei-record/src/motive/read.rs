@@ -1,7 +1,8 @@
 //! From bytes to a [`Take`].
 
 use super::error::{Error, Problem, Result};
-use super::take::{Column, Style, Take};
+use super::note;
+use super::take::{Column, EXPORTED, Style, Take};
 use crate::Input;
 use crate::encoding::{self, Encoding};
 use crate::number::{self, Cell};
@@ -23,7 +24,7 @@ const KEYS: &[&str] = &[
     "Capture Start Time",
     "Capture Start Frame",
     "Total Frames in Take",
-    "Total Exported Frames",
+    EXPORTED,
     "Rotation Type",
     "Length Units",
     "Coordinate Space",
@@ -50,7 +51,8 @@ pub fn looks_like(bytes: &[u8]) -> bool {
 }
 
 /// Reads a take; gzip is unpacked. Refused: no row `Frame`, no frames, text where a number is needed, frame
-/// numbers that do not ascend, a table whose cells are nearly all missing.
+/// numbers that do not ascend, a table whose cells are nearly all missing. A last row that ends in its middle is left
+/// out; [`Take::warnings`] says so, and what else is missing.
 pub fn read(input: &Input<'_>) -> Result<Take> {
     let bytes =
         unpack(input).map_err(|error| Error::of_file(input.name, Problem::Bytes(Box::new(error.problem))))?;
@@ -60,6 +62,7 @@ pub fn read(input: &Input<'_>) -> Result<Take> {
     };
     let mut take = heading.take(input.name);
     rows(&mut take, &heading, &text, encoding)?;
+    note_missing(&mut take);
     if take.frame.is_empty() {
         return Err(Error::of_file(input.name, Problem::NoFrames));
     }
@@ -185,6 +188,7 @@ impl Heading {
             stamp_s: Vec::new(),
             timecode: Vec::new(),
             columns: columns.collect(),
+            warnings: Vec::new(),
         };
         // commas at the end of every row make columns of nothing
         let is_nothing = |c: &Column| [&c.kind, &c.name, &c.quantity, &c.axis].iter().all(|t| t.is_empty());
@@ -238,6 +242,7 @@ fn pairs(row: &[String]) -> Vec<(String, String)> {
 fn rows(take: &mut Take, heading: &Heading, text: &[u8], encoding: Encoding) -> Result<()> {
     let (leading, (time, code)) = (heading.leading(), heading.time_columns());
     let (mut at, mut line, mut filled) = (heading.data, heading.line, 0_usize);
+    let mut width = 0;
     while let Some((bytes, next)) = line_at(text, at) {
         at = next;
         line += 1;
@@ -250,6 +255,11 @@ fn rows(take: &mut Take, heading: &Heading, text: &[u8], encoding: Encoding) -> 
             Error::at(&take.file, Some(line), Some((column + 1, name)), problem)
         };
         let cells = split(bytes, Delimiter::Byte(b','));
+        if next == text.len() && is_cut(text, cells.len(), width, take) {
+            take.warnings.push(note::cut_row(line));
+            break;
+        }
+        width = cells.len();
         let number_in = |take: &Take, column: usize| -> Result<f64> {
             let Some(cell) = cells.get(column) else { return Ok(f64::NAN) };
             match number::cell(cell, b'.') {
@@ -294,4 +304,39 @@ fn rows(take: &mut Take, heading: &Heading, text: &[u8], encoding: Encoding) -> 
         take.frame.push(frame);
     }
     Ok(())
+}
+
+/// Whether the last row ends in its middle: it is short of cells, or the file ends within it and rows are missing.
+fn is_cut(text: &[u8], cells: usize, width: usize, take: &Take) -> bool {
+    let rows = take.len() as u64 + 1;
+    let missing = take.exported_frames().is_some_and(|told| rows < told);
+    cells < width || (missing && text.last() != Some(&b'\n'))
+}
+
+/// Says what is missing: rows, frame numbers, times.
+fn note_missing(take: &mut Take) {
+    let rows = take.len();
+    if let Some(told) = take.exported_frames().filter(|told| *told != rows as u64) {
+        take.warnings.push(note::count(rows, told));
+    }
+    // a take may be exported at a part of its rate: the usual step counts
+    let steps = take.frame.windows(2).map(|pair| (pair[0], pair[1].abs_diff(pair[0])));
+    let usual = steps.clone().map(|(_, step)| step).min().unwrap_or(1).max(1);
+    let missing = steps.filter(|(_, step)| *step > usual).map(|(after, step)| (after, step / usual - 1));
+    let frames: u64 = missing.clone().map(|(_, count)| count).fold(0, u64::saturating_add);
+    if let Some((after, _)) = missing.clone().find(|(_, count)| *count > 0) {
+        take.warnings.push(note::missing(frames, after));
+    }
+    let (mut last, mut back) = (f64::NEG_INFINITY, Vec::new());
+    for (row, stamp) in take.stamp_s.iter_mut().enumerate() {
+        if *stamp < last {
+            *stamp = f64::NAN;
+            back.push(row);
+        } else if stamp.is_finite() {
+            last = *stamp;
+        }
+    }
+    if let Some(frame) = back.first().and_then(|row| take.frame.get(*row)) {
+        take.warnings.push(note::time_back(back.len(), *frame));
+    }
 }

@@ -1,6 +1,7 @@
 //! A take as the file has it.
 
 use super::error::{Error, Problem, Result};
+use crate::Warning;
 use shisei_core::frames::Axes;
 
 /// How rotations are written.
@@ -61,7 +62,12 @@ pub struct Take {
     pub timecode: Vec<Box<str>>,
     /// Columns that carry data.
     pub columns: Vec<Column>,
+    /// What it lacks.
+    pub warnings: Vec<Warning>,
 }
+
+/// The key of the first row that says how many rows follow.
+pub(super) const EXPORTED: &str = "Total Exported Frames";
 
 impl Take {
     /// A value of the first row.
@@ -91,6 +97,11 @@ impl Take {
     /// `Total Frames in Take`, which counts frames that were not exported too.
     pub fn total_frames(&self) -> Option<u64> {
         self.number("Total Frames in Take").filter(|count| *count >= 0.0).map(|count| count as u64)
+    }
+
+    /// `Total Exported Frames`: as many rows as there should be.
+    pub fn exported_frames(&self) -> Option<u64> {
+        self.number(EXPORTED).filter(|count| *count >= 0.0).map(|count| count as u64)
     }
 
     /// Frames a second of the frame numbers, Hz: the export rate, else the capture rate, else from the time

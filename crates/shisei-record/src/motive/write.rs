@@ -2,7 +2,7 @@
 
 use std::io::{self, Write};
 
-use super::take::{Column, Take};
+use super::take::{Column, EXPORTED, Take};
 use crate::write::{Decimals, push_number, push_text};
 
 /// Written in blocks of about this size.
@@ -35,10 +35,12 @@ fn signed(take: &Take) -> Vec<(String, String)> {
 }
 
 /// Writes a take in its own layout: UTF-8, CRLF line ends; its notes say that it was us. With [`Decimals::Shortest`] it
-/// reads back to the same bits. Time stamps get six digits after the point, or the shortest that read back where they have more.
+/// reads back to the same bits, but for Total Exported Frames, which says how many rows are written. Time stamps get six digits after the point, or the shortest that read back where they have more.
 pub fn write(sink: &mut dyn Write, take: &Take, decimals: Decimals) -> io::Result<()> {
     let mut out = Vec::with_capacity(BLOCK + 4096);
+    let rows = take.len().to_string();
     for (number, (key, value)) in signed(take).iter().enumerate() {
+        let value = if key.eq_ignore_ascii_case(EXPORTED) { &rows } else { value };
         if number > 0 {
             out.push(b',');
         }
