@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use shisei_core::fuse::{FilledGap, Source};
+use shisei_core::fuse::{FilledGap, FusedFrame, Source, Unfilled};
 use shisei_core::sync::lever::Lever;
 use shisei_core::sync::rates::Sync;
 use shisei_core::{Lang, Quaternion, vector};
@@ -130,15 +130,63 @@ fn quaternion(q: Quaternion) -> String {
     format!("{:.5} {:.5} {:.5} {:.5}", q.w, q.x, q.y, q.z)
 }
 
-fn source(gap: &FilledGap, lang: Lang) -> String {
-    match gap.source {
-        Source::Optical => say(lang, "optical", "光学"),
-        Source::Bridged => say(lang, "bridged", "補間"),
-        Source::Inertial => {
-            say(lang, "inertial: attitude only to be trusted", "慣性のみ: 姿勢だけ信頼できます")
+/// Frames of a gap that came about in one way.
+struct Part {
+    how: String,
+    frames: usize,
+    /// Largest expected errors, rad and m; NaN where there is no pose.
+    sigma_rad: f64,
+    sigma_m: f64,
+}
+
+/// The ways in which a gap was filled, or not.
+fn parts(gap: &FilledGap, frames: &[FusedFrame], lang: Lang) -> Vec<Part> {
+    let filled = [
+        (Source::Bridged, "bridged", "補間"),
+        (Source::Inertial, "inertial: attitude only to be trusted", "慣性のみ: 姿勢だけ信頼できます"),
+    ];
+    let filled = filled.into_iter().map(|(source, en, ja)| {
+        let own = || frames[gap.first..gap.end].iter().filter(move |frame| frame.source == source);
+        let largest = |of: fn(&FusedFrame) -> f64| own().map(of).fold(0.0, f64::max);
+        Part {
+            how: say(lang, en, ja),
+            frames: own().count(),
+            sigma_rad: largest(|frame| frame.sigma_rad),
+            sigma_m: largest(|frame| frame.sigma_m),
         }
-        Source::None => say(lang, "none: no inertial samples", "なし: 慣性センサの記録がありません"),
+    });
+    let Unfilled { silent, loose, holder } = gap.unfilled;
+    let unfilled = [
+        (silent, "none: no inertial samples", "なし: 慣性センサの記録がありません"),
+        (
+            loose,
+            "none: inertial samples missing on both sides",
+            "なし: 前後で慣性センサの記録が途切れています",
+        ),
+        (holder, "none: the parent is lost", "なし: 親が失われています"),
+    ];
+    let unfilled = unfilled.into_iter().map(|(frames, en, ja)| Part {
+        how: say(lang, en, ja),
+        frames,
+        sigma_rad: f64::NAN,
+        sigma_m: f64::NAN,
+    });
+    filled.chain(unfilled).filter(|part| part.frames > 0).collect()
+}
+
+/// A part in words: `108 bridged, up to 0.24° and 1.2 mm (1 σ)`.
+fn part_text(part: &Part, lang: Lang) -> String {
+    let Part { how, frames, sigma_rad, sigma_m } = part;
+    let head = say(lang, format!("{frames} {how}"), format!("{frames} フレーム {how}"));
+    if sigma_m.is_nan() {
+        return head;
     }
+    let (deg, mm) = (number(sigma_rad.to_degrees(), 2), number(sigma_m * 1e3, 1));
+    say(
+        lang,
+        format!("{head}, up to {deg}° and {mm} mm (1 σ)"),
+        format!("{head}、最大 {deg}°、{mm} mm (1 σ)"),
+    )
 }
 
 fn number(value: f64, decimals: usize) -> String {
@@ -155,24 +203,15 @@ pub fn summary(done: &Done, lang: Lang) -> String {
     let gaps = &done.gaps;
     for gap in gaps.iter().take(12) {
         let frame = done.take.frame[gap.first];
-        let (deg, mm) = (number(gap.sigma_rad.to_degrees(), 2), number(gap.sigma_m * 1e3, 1));
-        let _ = writeln!(
-            text,
-            "  {}",
-            say(
-                lang,
-                format!(
-                    "gap at frame {frame}: {:.2} s, {}, up to {deg}° and {mm} mm (1 σ)",
-                    gap.length_s,
-                    source(gap, lang)
-                ),
-                format!(
-                    "欠落 フレーム {frame}: {:.2} 秒、{}、最大 {deg}°、{mm} mm (1 σ)",
-                    gap.length_s,
-                    source(gap, lang)
-                ),
-            )
+        let parts = parts(gap, &done.frames, lang);
+        let told: Vec<String> = parts.iter().map(|part| part_text(part, lang)).collect();
+        let told = told.join(say(lang, "; ", "；").as_str());
+        let line = say(
+            lang,
+            format!("gap at frame {frame}: {:.2} s, {told}", gap.length_s),
+            format!("欠落 フレーム {frame}: {:.2} 秒、{told}", gap.length_s),
         );
+        let _ = writeln!(text, "  {line}");
     }
     if gaps.len() > 12 {
         let more = gaps.len() - 12;
@@ -245,23 +284,30 @@ pub fn page<'a>(done: &'a Done, optical: &str, inertial: &str, lang: Lang) -> Pa
             None,
         ),
     ];
-    let rows = done.gaps.iter().map(|gap| {
-        vec![
-            done.take.frame[gap.first].to_string(),
-            (gap.end - gap.first).to_string(),
-            format!("{:.3}", gap.length_s),
-            source(gap, lang),
-            number(gap.sigma_rad.to_degrees(), 2),
-            number(gap.sigma_m * 1e3, 1),
-        ]
+    let rows = done.gaps.iter().flat_map(|gap| {
+        parts(gap, frames, lang).into_iter().map(|part| {
+            vec![
+                done.take.frame[gap.first].to_string(),
+                part.frames.to_string(),
+                format!("{:.3}", gap.length_s),
+                part.how,
+                number(part.sigma_rad.to_degrees(), 2),
+                number(part.sigma_m * 1e3, 1),
+            ]
+        })
     });
     let head = match lang {
         Lang::En => {
-            ["First frame", "Frames", "Length, s", "Filled by", "Attitude, ° (1 σ)", "Position, mm (1 σ)"]
+            ["Gap at frame", "Frames", "Gap, s", "Filled by", "Attitude, ° (1 σ)", "Position, mm (1 σ)"]
         }
-        Lang::Ja => {
-            ["最初のフレーム", "フレーム数", "長さ [秒]", "補った方法", "姿勢 [°] (1 σ)", "位置 [mm] (1 σ)"]
-        }
+        Lang::Ja => [
+            "欠落の最初のフレーム",
+            "フレーム数",
+            "欠落の長さ [秒]",
+            "補った方法",
+            "姿勢 [°] (1 σ)",
+            "位置 [mm] (1 σ)",
+        ],
     };
     Page {
         lang,

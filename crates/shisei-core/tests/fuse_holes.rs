@@ -123,7 +123,7 @@ fn a_hole_in_a_long_gap_leaves_both_its_sides_as_good_as_is_said() {
                 assert_eq!(fusion.frames[row].source, Source::Inertial);
             }
             let sides = [gap.first, gap.end - 1].map(|row| fusion.frames[row].sigma_m * 1e3);
-            let middle = (gap.first + gap.end) / 2;
+            let middle = usize::midpoint(gap.first, gap.end);
             let most = [middle - 30, middle + 30].map(|row| fusion.frames[row].sigma_m * 1e3);
             println!(
                 "{seed}: {:.1} s: {worst:.2?} of what is said: {sides:.1?} to {most:.1?} mm",

@@ -235,7 +235,8 @@ fn a_tool_in_a_hand_is_placed_by_its_sensor() {
     // the hand is filmed as a bone; what turns is the tool, which no camera sees
     let (hand, tool) = (movements::wander(8, 3.0, 20.0), movements::wander(9, 3.0, 20.0));
     let rig = Rig { body_from_sensor: Quaternion::IDENTITY, sensor_m: [0.0; 3], markers_m: Vec::new() };
-    let frames = film(&hand, &rig, &Cameras::new(120.0, 20.0, 8));
+    let cameras = Cameras { lost_s: vec![(7.5, 9.0)], ..Cameras::new(120.0, 20.0, 8) };
+    let frames = film(&hand, &rig, &cameras);
     let settings = Settings { errors: Errors::DrawnAligned, ..Settings::new(200.0, 9) };
     let simulation = simulate(&tool, &Sensor::lsm6ds3tr_c(), &settings);
     let desk = Desk::new();
@@ -262,11 +263,17 @@ fn a_tool_in_a_hand_is_placed_by_its_sensor() {
     assert_eq!(ran.code, 0, "{}", ran.stderr);
     let json: serde_json::Value = serde_json::from_str(&ran.stdout).expect("one object");
     assert_eq!((json["parent"].as_str(), json["reference_frame"].as_i64()), (Some("Anna:RHand"), Some(240)));
-    assert_eq!(json["inertial"].as_u64(), Some(frames.len() as u64));
+    let lost = json["none"].as_u64().expect("a count");
+    assert_eq!((json["inertial"].as_u64(), lost), (Some(frames.len() as u64 - lost), 180));
+    assert!(ran.stderr.contains("1.51 s, 180 none: the parent is lost\n"), "{}", ran.stderr);
     let text = desk.text("tool.csv");
     let to = Axes::ZUp.to(Axes::YUp);
     for (line, frame) in text.lines().skip(1).zip(&frames) {
         let cells: Vec<&str> = line.split(',').collect();
+        if frame.pose.is_none() {
+            assert_eq!(cells[9], "none");
+            continue;
+        }
         let number = |k: usize| cells[k].parse::<f64>().expect("a number");
         let truth = to.world_of_pose(frame.truth).expect("right-handed");
         let place = vector::add(truth.position_m, truth.world_from_body.rotate([-0.05, 0.02, 0.1]));
@@ -282,6 +289,10 @@ fn a_tool_in_a_hand_is_placed_by_its_sensor() {
         (vec!["--sync", "rates"], "--sync sequence"),
         (vec!["--sync", "sequence", "--grip", "1,2"], "YAW"),
         (vec!["--sync", "sequence", "--reference", "99999"], "no frame 99999"),
+        (
+            vec!["--sync", "sequence", "--reference", "960"],
+            "--reference 960: in the reference frame the parent is lost",
+        ),
         (vec!["--sync", "pulse-file"], "--pulses"),
         (vec!["--sync", "sequence", "--motive", "a.csv"], "--motive"),
     ] {
@@ -289,8 +300,50 @@ fn a_tool_in_a_hand_is_placed_by_its_sensor() {
         assert_eq!(ran.code, 2, "{more:?}: {}", ran.stderr);
         assert!(ran.stderr.contains(word), "{}", ran.stderr);
     }
+    let ran = with(&["--sync", "sequence", "--reference", "960", "--lang", "ja"]);
+    assert!(ran.stderr.contains("--reference 960：基準フレームで親が失われています"), "{}", ran.stderr);
     let ran = desk.run(&["fuse", "take.csv", "imu.csv", "--parent", "Anna:RHand"]);
     assert_eq!(ran.code, 2, "{}", ran.stderr);
+}
+
+#[test]
+fn what_is_missing_is_said_frame_by_frame() {
+    let (frames, mut simulation) = take(6);
+    // 0.3 s without samples in the second gap, which lasts from 18 to 20 s
+    simulation.samples.retain(|sample| !(18.5..18.8).contains(&(sample.time_s - 2.3)));
+    let desk = desk(&frames, &simulation);
+    let text = desk.text("take.csv");
+    let cut = text.find("\r\n3601,").expect("the row") + 10;
+    desk.put("cut.csv", &text[..cut]);
+    let words =
+        ["fuse", "cut.csv", "imu.csv", "--no-report", "-o", "a.csv", "--motive", "filled.csv", "--force"];
+    let ran = desk.run(&words);
+    assert_eq!(ran.code, 0, "{}", ran.stderr);
+    for part in [
+        "warning: the take's last row (line 3609) ends in its middle",
+        "has 3601 frames, and its first row says 3841",
+        "gap at frame 1200: 1.01 s, 120 bridged, up to ",
+        "gap at frame 2160: 2.01 s, ",
+        " inertial: attitude only to be trusted, up to ",
+        " none: no inertial samples\n",
+    ] {
+        assert!(ran.stderr.contains(part), "{part}: {}", ran.stderr);
+    }
+    let mut sources = std::collections::BTreeMap::new();
+    for line in desk.text("a.csv").lines().skip(2161).take(240) {
+        *sources.entry(line.split(',').nth(9).expect("a source").to_owned()).or_insert(0) += 1;
+    }
+    let count = |source: &str| sources.get(source).copied().unwrap_or(0);
+    assert!((36..=40).contains(&count("none")) && count("inertial") == 240 - count("none"), "{sources:?}");
+    let filled = desk.text("filled.csv");
+    assert!(filled.contains("Total Exported Frames,3601,") && filled.contains("\n3600,"), "{filled:.400}");
+    let ran = desk.run(&[&words[..], &["--lang", "ja"]].concat());
+    assert!(
+        ran.stderr.contains("テイクの最後の行 (3609 行目)")
+            && ran.stderr.contains(" フレーム なし: 慣性センサ"),
+        "{}",
+        ran.stderr
+    );
 }
 
 #[test]
