@@ -106,7 +106,7 @@ fn holes_within_gaps_are_crossed_as_well_as_is_said() {
     }
     let rms = ((squares.0 / count).sqrt(), (squares.1 / count).sqrt());
     println!("RMS {:.2} and {:.2} of what is said, at most {:.2} and {:.2}", rms.0, rms.1, worst.0, worst.1);
-    assert!(rms.0 < 1.0 && rms.1 < 1.0 && worst.0 < 3.5 && worst.1 < 3.5, "{rms:?} {worst:?}");
+    assert!(rms.0 < 1.0 && rms.1 < 1.0 && worst.0 < 3.0 && worst.1 < 3.0, "{rms:?} {worst:?}");
 }
 
 #[test]
@@ -129,7 +129,7 @@ fn a_hole_in_a_long_gap_leaves_both_its_sides_as_good_as_is_said() {
                 "{seed}: {:.1} s: {worst:.2?} of what is said: {sides:.1?} to {most:.1?} mm",
                 gap.length_s
             );
-            assert!(worst.0 < 3.5 && worst.1 < 3.5, "{worst:?}");
+            assert!(worst.0 < 3.0 && worst.1 < 3.0, "{worst:?}");
             assert!(sides.iter().all(|side_mm| (0.3..10.0).contains(side_mm)), "{sides:?}");
             assert!(most[0].max(most[1]) < 3000.0, "{most:?}");
         }

@@ -32,6 +32,11 @@ const REST_BACK: f64 = 0.7;
 /// How long after its end a rest may still seem to be one: the first of a movement must not pass for a bias.
 const REST_LATE_S: f64 = 0.2;
 
+/// A step so many times as long as the shortest of its segment goes over a hole; its weight is the square of that, and
+/// this at most.
+const HOLE_STEPS: f64 = 2.5;
+const HOLE_WEIGHT: f64 = 1e4;
+
 /// How two pieces of work are done: [`InTurn`], or side by side by a caller that has threads. The result is the
 /// same to the bit.
 pub trait Pair {
@@ -285,8 +290,20 @@ impl<const N: usize> Backward<'_, N> {
         Known { smoothed: segment.nominal.moved(&error), error, covariance, sigma_position }
     }
 
+    /// How much of what a segment's correction changes from its start to its end comes in with each sample: alike, but
+    /// for steps over a hole, of which bridging must not put the error on the samples around it.
+    fn weights(&self, segment: &Segment) -> impl Iterator<Item = f64> + Clone {
+        let dt = self.recording.dt;
+        let steps = segment.samples.clone().map(move |k| dt.at(k));
+        let usual = steps.clone().filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+        steps.map(move |step| {
+            let long = step / usual;
+            if N > STATES && long > HOLE_STEPS { (long * long).min(HOLE_WEIGHT) } else { 1.0 }
+        })
+    }
+
     /// Corrects the samples of a segment: by what is known at its end, and within an interval by the mean of that
-    /// and what is known at its start, weighted by time.
+    /// and what is known at its start, weighted by [`Backward::weights`].
     fn finish(
         &self,
         chunk: &Chunk<N>,
@@ -311,12 +328,15 @@ impl<const N: usize> Backward<'_, N> {
             None => (end_turn, end_place, end_speed),
         };
         let blank = State::new(Quaternion::IDENTITY, [0.0; 3], smoothed.gyro_bias, *covariance, false);
-        let count = segment.samples.len() as f64;
+        let shares = self.weights(segment);
+        let all: f64 = shares.clone().sum();
+        let mut so_far = 0.0;
         // while a start anew is sought the position follows from nothing
         let unplaced = matches!(segment.kind, Kind::Level | Kind::Anew);
-        for (place, k) in segment.samples.clone().enumerate() {
+        for ((place, k), weight) in segment.samples.clone().enumerate().zip(shares) {
             let passing = &chunk.passing[k - chunk.first];
-            let share = (place as f64 + 1.0) / count;
+            so_far += weight;
+            let share = so_far / all;
             let between =
                 |a: Vec3, b: Vec3| vector::add(vector::scale(a, 1.0 - share), vector::scale(b, share));
             let turn = between(start_turn, end_turn);

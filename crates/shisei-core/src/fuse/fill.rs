@@ -14,9 +14,9 @@ use crate::vector::{self, Vec3};
 pub(super) const PIN_S: f64 = 0.1;
 /// Frames at which the attitude may be off by more than this for want of samples are left out of that, rad.
 const PIN_BEND_RAD: f64 = 4e-3;
-/// How fast the rate changes where no sample says it, rad/s²: between two samples the attitude is a slerp. On BROAD's even
-/// trials it is 16 to 27 in half of them, over 0.02 to 0.1 s, and 83 at most.
-const TURN_CHANGE: f64 = 25.0;
+/// How fast the rate changes where no sample says it, rad/s²: between two samples the attitude is a slerp. Over 0.02 to 0.1 s
+/// it is 16 to 27 (RMS) in the middle one of BROAD's even trials, and 52 to 83 in the fastest.
+const TURN_CHANGE: f64 = 50.0;
 /// What the cameras are off in attitude depends on the attitude, and so is forgotten as the body turns: in this time,
 /// s, where it is turned about.
 const FORGET_S: f64 = 2.0;
