@@ -392,11 +392,11 @@ impl<'a> Data<'a> {
             let acc: Vec<Vec3> = self.acc[..origin].iter().rev().copied().collect();
             let steps: Vec<f64> = (0..origin).rev().map(|k| self.dt[k + 1]).collect();
             let make = with_bias(vector::scale(self.bias, -1.0));
-            Stretches::new(make, start, (&turns, &acc, &steps))?.next(&mut earlier)?;
+            Stretches::after_start(make, start, (&turns, &acc, &steps))?.next(&mut earlier)?;
             earlier.reverse();
         }
         let later = (&self.gyro[origin..], &self.acc[origin..], &self.dt[origin..]);
-        let later = Stretches::new(with_bias(self.bias), start, later)?;
+        let later = Stretches::from_start(with_bias(self.bias), start, later)?;
         Ok((earlier, Box::new(later)))
     }
 }
@@ -487,6 +487,32 @@ mod tests {
         let found = orient(&acc, &gyro, &dt, &mahony()).unwrap();
         let ypr = found.ypr(401);
         assert!((ypr.roll_rad - 0.5235987755982988).abs() < 1e-9 && ypr.yaw_rad.abs() < 1e-9, "{ypr:?}");
+    }
+
+    /// Shaking on its side (40° about x) for 4 s, a gap of 10 s, and then a level rest: the rows before the gap are
+    /// reached backward through it, and start anew there.
+    #[test]
+    fn rows_before_a_gap_at_the_rest_are_levelled() {
+        let tilt = 0.6981317007977318;
+        let (sin, cos) = math::sin_cos(tilt);
+        let mut acc = alloc::vec![[0.0, 0.0, G]; 800];
+        for (k, row) in acc[..400].iter_mut().enumerate() {
+            let shake = 2.0 * math::sin(20.0 * k as f64 / RATE_HZ);
+            *row = [shake, G * sin - shake * cos, G * cos + shake * sin];
+        }
+        let mut dt = alloc::vec![0.01; 800];
+        dt[400] = 10.0;
+        let gyro = alloc::vec![[0.0; 3]; 800];
+        for method in [Method::Gyro, Method::Mahony { kp: 0.2, ki: 0.0 }] {
+            let settings = Settings { method, relative: Relative::None, ..Settings::default() };
+            let found = orient(&acc, &gyro, &dt, &settings).unwrap();
+            assert!(found.rest.as_ref().is_some_and(|rest| rest.start == 400), "{:?}", found.rest);
+            for (row, roll) in [(0, tilt), (200, tilt), (399, tilt), (400, 0.0), (799, 0.0)] {
+                let ypr = found.ypr(row);
+                assert!((ypr.roll_rad - roll).abs() < 0.05, "{method:?}, row {row}: {ypr:?}");
+                assert!(ypr.yaw_rad.abs() < 0.05 && ypr.pitch_rad.abs() < 0.05, "{method:?}, {row}: {ypr:?}");
+            }
+        }
     }
 
     #[test]

@@ -13,6 +13,9 @@ pub(super) trait Series {
     fn next(&mut self, out: &mut [Quaternion]) -> Result<()>;
 }
 
+/// Rates, accelerations and steps.
+pub(super) type Rows<'a> = (&'a [Vec3], &'a [Vec3], &'a [f64]);
+
 /// Starts the filter anew at every gap.
 pub(super) struct Stretches<'a, F, M> {
     make: M,
@@ -21,19 +24,26 @@ pub(super) struct Stretches<'a, F, M> {
     acc: &'a [Vec3],
     dt_s: &'a [f64],
     row: usize,
+    /// Whether the start lies before row 0, and row 0's step leads from it; else row 0 is the start itself.
+    leads: bool,
     /// The attitude of the row before, or at the start.
     last: Quaternion,
 }
 
 impl<'a, F: Filter + Copy, M: Fn(Quaternion) -> Result<F>> Stretches<'a, F, M> {
-    /// Rates, accelerations and steps, one a row.
-    pub(super) fn new(
-        make: M,
-        start: Quaternion,
-        (rates, acc, dt_s): (&'a [Vec3], &'a [Vec3], &'a [f64]),
-    ) -> Result<Self> {
+    /// Rates, accelerations and steps, one a row; row 0 is where the attitude is `start`.
+    pub(super) fn from_start(make: M, start: Quaternion, rows: Rows<'a>) -> Result<Self> {
+        Self::new(make, start, rows, false)
+    }
+
+    /// The same, but row 0's step leads from where the attitude is `start`, and may be a gap.
+    pub(super) fn after_start(make: M, start: Quaternion, rows: Rows<'a>) -> Result<Self> {
+        Self::new(make, start, rows, true)
+    }
+
+    fn new(make: M, start: Quaternion, (rates, acc, dt_s): Rows<'a>, leads: bool) -> Result<Self> {
         let filter = make(start)?;
-        Ok(Stretches { make, filter, rates, acc, dt_s, row: 0, last: start })
+        Ok(Stretches { make, filter, rates, acc, dt_s, row: 0, leads, last: start })
     }
 }
 
@@ -46,7 +56,7 @@ impl<F: Filter + Copy, M: Fn(Quaternion) -> Result<F>> Series for Stretches<'_, 
             let mut first = done;
             if self.dt_s[row] > GAP_S {
                 // What happened in the gap is unknown: its step is not integrated.
-                if row > 0 {
+                if row > 0 || self.leads {
                     let level = rest::mean(&self.acc[row..after(self.dt_s, row, LEVEL_S)])?;
                     self.last = initial::level(self.last, level);
                     self.filter = (self.make)(self.last)?;
