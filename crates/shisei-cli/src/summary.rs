@@ -161,7 +161,7 @@ fn facts(plan: &Plan, recording: &Recording, orientation: &Orientation) -> Vec<(
             None => say(lang, "none (no bias removed)", "なし (バイアスは除いていません)"),
         },
     );
-    if orientation.rest.is_some() {
+    if orientation.rest.is_some() && plan.settings.method != Method::EstimateOnline {
         let b = orientation.gyro_bias_rad_s;
         add(
             "Gyroscope bias removed",

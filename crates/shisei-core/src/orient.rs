@@ -4,6 +4,10 @@
 //! filter runs forward to the end, and backward in time to the first row, so that every row has an attitude and
 //! the rest is the reference wherever it lies. Across a gap the rate is unknown: the filter starts anew there,
 //! levelled by the first half second of acceleration, with the yaw it had.
+//!
+//! The estimator's online form knows of a sample only what came before it, also here: it is given the rates as they
+//! are, its attitudes are those of a live run to the bit, and the rest, found or given, is only what angles and the
+//! forward axis are relative to (at the rest's last row, where it has learnt the bias).
 
 mod estimated;
 mod stretches;
@@ -66,6 +70,7 @@ pub enum Method {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum RestChoice {
     /// The first rest of at least 1 s. Where there is none the estimator goes without; the classic filters refuse.
+    /// To [`Method::EstimateOnline`] a rest, found or given, is only what angles are relative to.
     Auto,
     /// Given by its rows; [`rows_between`] finds them by time.
     Rows {
@@ -129,7 +134,7 @@ pub struct Orientation {
     pub start: Quaternion,
     /// The samples of the rest.
     pub rest: Option<Range<usize>>,
-    /// The bias that was removed, rad/s in body axes.
+    /// The bias that was removed beforehand, rad/s in body axes; none for [`Method::EstimateOnline`].
     pub gyro_bias_rad_s: Vec3,
     /// What angles are relative to.
     pub relative: Relative,
@@ -285,13 +290,12 @@ pub fn begin<'a>(
         learnt: None,
     };
     if settings.method.starts_in_motion() {
-        let online = settings.method == Method::EstimateOnline;
-        if settings.sensor.is_some() {
+        if settings.sensor.is_some() || settings.method == Method::EstimateOnline {
             found.gyro_bias_rad_s = [0.0; 3];
         }
         let rest = found.rest.as_ref().map(|rest| (rest, level));
         let bias = found.gyro_bias_rad_s;
-        let estimate = estimated::run((acc_m_s2, gyro_rad_s, dt_s), settings, online, bias, rest, pair)?;
+        let estimate = estimated::run((acc_m_s2, gyro_rad_s, dt_s), settings, bias, rest, pair)?;
         found.start = estimate.start;
         found.world_from_body = estimate.world_from_body;
         found.certainty = Some(estimate.certainty);
@@ -422,6 +426,7 @@ impl<F: Filter> Filter for Unbiased<F> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::estimator::{self, Estimator, Sample};
     use crate::math;
 
     const RATE_HZ: f64 = 100.0;
@@ -459,9 +464,36 @@ mod tests {
     fn check_turn(method: Method) {
         let (acc, gyro, dt) = turntable(6.0, 0.0..3.0, 0.5, 0.02);
         let found = orient(&acc, &gyro, &dt, &Settings { method, ..Settings::default() }).unwrap();
-        assert!(found.gyro_bias_rad_s.iter().all(|b| (b - 0.02).abs() < 1e-3), "{found:?}");
+        let removed = if method == Method::EstimateOnline { 0.0 } else { 0.02 };
+        assert!(found.gyro_bias_rad_s.iter().all(|b| (b - removed).abs() < 1e-3), "{found:?}");
         let yaw = found.ypr(599).yaw_rad;
         assert!((yaw - 1.5).abs() < 0.01, "{yaw}");
+    }
+
+    /// Turns with a bias, rests from 24 s on: a rest that is found, given or not sought changes no attitude, and
+    /// neither does what comes after.
+    #[test]
+    fn the_online_form_knows_nothing_of_later_samples() {
+        let (acc, gyro, dt) = turntable(30.0, 24.0..30.0, 0.6, 0.03);
+        let with = |rows: usize, rest| {
+            let settings = Settings { method: Method::EstimateOnline, rest, ..Settings::default() };
+            orient(&acc[..rows], &gyro[..rows], &dt[..rows], &settings).unwrap()
+        };
+        let found = with(3000, RestChoice::Auto);
+        assert!(found.rest.as_ref().is_some_and(|rest| rest.start > 2300), "{:?}", found.rest);
+        assert_eq!(found.gyro_bias_rad_s, [0.0; 3]);
+        let mut live = Estimator::new(&estimator::Settings::default()).unwrap();
+        for (k, q) in found.world_from_body.iter().enumerate() {
+            let sample = Sample { gyro_rad_s: gyro[k], acc_m_s2: acc[k], dt_s: dt[k] };
+            assert_eq!(*q, live.update(&sample).world_from_body, "row {k}");
+        }
+        for other in [with(2000, RestChoice::Auto), with(3000, RestChoice::Rows { start: 2500, end: 2700 })] {
+            let rows = other.world_from_body.len();
+            assert_eq!(other.world_from_body, found.world_from_body[..rows]);
+        }
+        // relative to the rest, where the bias has been learnt
+        let yaw = found.ypr(2999).yaw_rad;
+        assert!(yaw.abs() < 1e-3, "{yaw}");
     }
 
     #[test]

@@ -63,6 +63,8 @@ pub use light::LightEstimator;
 pub use live_bridge::LiveBridge;
 pub use online::{Estimator, State};
 pub use rest::RestLimits;
+#[cfg(feature = "alloc")]
+pub(crate) use runner::heading_between;
 pub use settings::{Model, Settings};
 #[cfg(feature = "alloc")]
 pub use smoother::{InTurn, Pair, Smoothed, smooth, smooth_each};

@@ -308,7 +308,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
 }
 
 /// The turn about the world's z that brings the heading of `from` nearest to that of `to`.
-pub(super) fn heading_between(to: Quaternion, from: Quaternion) -> Quaternion {
+pub(crate) fn heading_between(to: Quaternion, from: Quaternion) -> Quaternion {
     let d = to.product(from.conjugate());
     let n = math::hypot(d.w, d.z);
     if n < 1e-9 {

@@ -3,9 +3,9 @@
 use alloc::{vec, vec::Vec};
 use core::ops::Range;
 
-use super::{Certainty, Settings};
+use super::{Certainty, Method, Settings};
 use crate::error::Result;
-use crate::estimator::{self, Calibration, Estimator, Pair, Sample, State, smooth_each};
+use crate::estimator::{self, Calibration, Estimator, Pair, Sample, State, heading_between, smooth_each};
 use crate::filter::Dt;
 use crate::quaternion::Quaternion;
 use crate::vector::{self, Vec3};
@@ -19,12 +19,12 @@ pub(super) struct Estimate {
     pub start: Quaternion,
 }
 
-/// `level` is the attitude at the start with yaw 0 where there is a rest: the world is turned about z so that the
-/// estimate there agrees with it.
+/// `bias` is taken off every rate before the smoother sees it; the online form is given the rates as they are, for no
+/// sample may know of a later one. `level` is the attitude at the start with yaw 0 where there is a rest: the smoother's
+/// world is turned about z so that the estimate there agrees with it; the online form's stays, as live.
 pub(super) fn run(
     data: (&[Vec3], &[Vec3], &[f64]),
     settings: &Settings,
-    online: bool,
     bias: Vec3,
     rest: Option<(&Range<usize>, Quaternion)>,
     pair: &impl Pair,
@@ -48,29 +48,23 @@ pub(super) fn run(
         certainty.sigma_heading_rad[k] = state.sigma_heading_rad;
         certainty.rest[k] = state.rest;
     };
-    let mut learnt = if online {
+    if settings.method == Method::EstimateOnline {
         let mut estimator = Estimator::new(&estimator_settings)?;
         for k in 0..rows {
-            let gyro_rad_s = vector::sub(gyro[k], bias);
-            keep(k, &estimator.update(&Sample { gyro_rad_s, acc_m_s2: acc[k], dt_s: dt_s[k] }));
+            keep(k, &estimator.update(&Sample { gyro_rad_s: gyro[k], acc_m_s2: acc[k], dt_s: dt_s[k] }));
         }
-        estimator.calibration()
-    } else {
-        smooth_each(acc, gyro, bias, Dt::PerSample(dt_s), &estimator_settings, pair, keep)?
-    };
+        // at the end of the rest the bias is known
+        let start = world_from_body[rest.map_or(0, |(rest, _)| rest.end - 1)];
+        return Ok(Estimate { world_from_body, certainty, learnt: estimator.calibration(), start });
+    }
+    let mut learnt = smooth_each(acc, gyro, bias, Dt::PerSample(dt_s), &estimator_settings, pair, keep)?;
     learnt.gyro_bias_rad_s = vector::add(learnt.gyro_bias_rad_s, bias);
     let mut start = world_from_body[0];
     if let Some((rest, level)) = rest {
         let there = world_from_body[rest.start + rest.len() / 2];
-        let turn = heading_of(level.product(there.conjugate()));
+        let turn = heading_between(level, there);
         start = turn.product(there);
         world_from_body.iter_mut().for_each(|q| *q = turn.product(*q));
     }
     Ok(Estimate { world_from_body, certainty, learnt, start })
-}
-
-/// The turn about z in a rotation; none where it turns z upside down.
-fn heading_of(q: Quaternion) -> Quaternion {
-    let n = crate::math::hypot(q.w, q.z);
-    if n < 1e-9 { Quaternion::IDENTITY } else { Quaternion::new(q.w / n, 0.0, 0.0, q.z / n) }
 }
