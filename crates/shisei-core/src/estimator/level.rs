@@ -44,6 +44,12 @@ impl Leveller {
         self.count += 1.0;
     }
 
+    /// Begins anew after a turn that is hardly known; the heading goes on.
+    pub(super) fn turn(&mut self, turn: &Quaternion) {
+        let carried = self.carried.product(*turn).normalized();
+        *self = Leveller { carried, sum: [0.0; 3], squares: 0.0, count: 0.0, time_s: 0.0, ..*self };
+    }
+
     /// The attitude now: carried along, and levelled.
     pub(super) fn attitude(&self) -> Quaternion {
         let turn = if self.first && self.sum != [0.0; 3] {

@@ -5,7 +5,7 @@ use super::between::{AHEAD, Between, Hole, Stepped, Trail};
 use super::engine::{Engine, Sight};
 use super::guard::{Checked, Guard, Reading, Sample};
 use super::level::Leveller;
-use super::model::Nominal;
+use super::model::{Nominal, STATES};
 use super::rest::RestFinder;
 use super::settings::{Model, Settings};
 use super::watch::Watch;
@@ -38,6 +38,21 @@ const UNCALIBRATED: f64 = 0.15;
 /// What giving up adds to the variance of the heading, rad², and the most it can be.
 const GIVEN_UP_HEADING: f64 = 1.0;
 const LARGEST_HEADING: f64 = core::f64::consts::PI * core::f64::consts::PI;
+
+/// A turn whose standard deviation about each axis is larger, rad, is as good as unknown: what is nearly a gap is one.
+const UNKNOWN_TURN: f64 = 0.25;
+
+/// The least share of a filter's standard deviation that a hole's turn is reckoned with: settings may say none.
+const LEAST_SHARE: f64 = 0.05;
+
+/// A time over which the filters do not go.
+#[derive(Clone, Copy, Debug)]
+struct Lost {
+    /// The likely turn up to the sample that ends it.
+    turn: Quaternion,
+    /// What it adds to the variance of the heading, rad².
+    variance: f64,
+}
 
 /// Holes of which later samples may tell more: one a sample at most.
 const OPEN: usize = AHEAD + 1;
@@ -117,14 +132,36 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             Checked::AfterGap(reading, gap_s) => (reading, Some(gap_s)),
         };
         if gap_s.is_some() {
-            self.rest.restart();
             self.trail.restart();
-            self.open = [None; OPEN];
         }
         if !reading.gyro_known {
             self.trail.restart();
         }
-        self.trail.push(reading.gyro, reading.dt_s);
+        let bias = self.engines[0].nominal.gyro_bias;
+        self.trail.push(
+            reading.gyro,
+            reading.dt_s,
+            &bias,
+            !reading.hole().is_some_and(|hole| hole.is_loss()),
+        );
+        let (rates, count) = ahead.unwrap_or(([([0.0; 3], 0.0); AHEAD], 0));
+        let between = reading.hole().and_then(|hole| {
+            let between = self.trail.between(hole, 0, &rates[..count], &bias)?;
+            Some((hole, self.stated(hole, between)))
+        });
+        let lost = match (gap_s, between) {
+            (Some(gap_s), _) => Some(Lost { turn: Quaternion::IDENTITY, variance: self.turned(gap_s) }),
+            (None, Some((hole, between))) => self.lost(hole, &between),
+            (None, None) => None,
+        };
+        if lost.is_some() {
+            self.rest.restart();
+            self.open = [None; OPEN];
+        }
+        if lost.is_some() && gap_s.is_none() {
+            self.trail.restart();
+            self.trail.push(reading.gyro, reading.dt_s, &bias, false);
+        }
         self.at_rest = match rest {
             Some(rest) => {
                 self.rest.restart();
@@ -132,11 +169,21 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             }
             None => self.rest.update(&self.settings.rest, &reading),
         };
-        let begins = gap_s.is_some() || self.given_up || (self.level.is_none() && !self.started);
+        if let Some(lost) = &lost {
+            self.heading_lost = (self.heading_lost + lost.variance).min(LARGEST_HEADING);
+        }
+        let under_way = self.level.as_mut().filter(|_| gap_s.is_none());
+        let begins = match (&lost, under_way) {
+            (Some(lost), Some(level)) => {
+                level.turn(&lost.turn);
+                false
+            }
+            (Some(_), None) => true,
+            (None, level) => self.given_up || (level.is_none() && !self.started),
+        };
         if begins {
-            let turned = gap_s.unwrap_or(0.0) * self.settings.gap_rate_rad_s;
-            self.heading_lost = (self.heading_lost + turned * turned).min(LARGEST_HEADING);
-            let from = self.started.then(|| self.engines[0].nominal.world_from_body);
+            let turn = lost.map_or(Quaternion::IDENTITY, |lost| lost.turn);
+            let from = self.started.then(|| self.engines[0].nominal.world_from_body.product(turn));
             self.level = Some(Leveller::new(from));
             self.given_up = false;
         }
@@ -152,18 +199,15 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             self.start(&level, sight);
             return Event::Levelled;
         }
-        if let Some(hole) = reading.hole() {
-            let (rates, count) = ahead.unwrap_or(([([0.0; 3], 0.0); AHEAD], 0));
-            if let Some(between) = self.trail.between(hole, 0, &rates[..count]) {
-                self.pass(hole, between, ahead.is_none());
-                if hole.is_loss() {
-                    for engine in &mut self.engines {
-                        engine.fill(&reading, between.rate, hole.missing_s);
-                    }
-                    reading = Reading { dt_s: hole.usual_s, irregular: 0.0, ..reading };
-                } else {
-                    reading.between = Some(between.rate);
+        if let Some((hole, between)) = between {
+            self.pass(hole, between, ahead.is_none());
+            if hole.is_loss() {
+                for engine in &mut self.engines {
+                    engine.fill(&reading, between.rate, hole.missing_s);
                 }
+                reading = Reading { dt_s: hole.usual_s, irregular: 0.0, ..reading };
+            } else {
+                reading.between = Some(between.rate);
             }
         }
         for engine in &mut self.engines {
@@ -172,6 +216,53 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         self.look_back();
         let time_s = self.engines[0].sums.time_s + 0.5 * reading.dt_s;
         if time_s >= self.settings.update_s { self.close(sight) } else { Event::Moved }
+    }
+
+    /// Variance of the heading that a gap of this length adds, rad²: by what the rate may have been, and by what it was.
+    fn turned(&self, gap_s: f64) -> f64 {
+        let rate = self.settings.gap_rate_rad_s;
+        gap_s * gap_s * (rate * rate).max(self.of_heading(self.trail.variance(gap_s)))
+    }
+
+    /// What of a rate's variance is the heading's: that along the vertical, and no less than one axis' part, for a large
+    /// turn mixes them.
+    fn of_heading(&self, variance: Vec3) -> f64 {
+        let up = self.engines[0].nominal.world_from_body.to_matrix()[2];
+        let along = up[0] * up[0] * variance[0] + up[1] * up[1] * variance[1] + up[2] * up[2] * variance[2];
+        along.max((variance[0] + variance[1] + variance[2]) / 3.0)
+    }
+
+    /// What of a filter's standard deviation of the heading is stated.
+    fn sigma_share(&self) -> f64 {
+        // where poses are seen all noise is what it is said to be
+        if N > STATES { 1.0 } else { self.settings.heading_sigma_share.max(LEAST_SHARE) }
+    }
+
+    /// The rate in a hole with the variance that the filters are told. In a long one it may have been anything to a
+    /// degree that reaches that of a gap with the gap's length.
+    fn stated(&self, hole: Hole, mut between: Between) -> Between {
+        if hole.is_long() {
+            let part = hole.missing_s / self.settings.gap_s;
+            let anything = self.settings.gap_rate_rad_s * part * part;
+            let share = self.sigma_share();
+            let known = self.of_heading(between.variance);
+            // about all axes alike: what a tilt tells of a heading is not to be trusted where turns may be large
+            between.variance = [(known + anything * anything) / (share * share); 3];
+        }
+        between
+    }
+
+    /// Whether the turn in a hole is known too badly for filters that take it for small. Optical poses tell it.
+    fn lost(&self, hole: Hole, between: &Between) -> Option<Lost> {
+        let length = self.sigma_share() * hole.missing_s;
+        let variance = length * length * between.variance[0];
+        if N > STATES || !hole.is_long() || variance < UNKNOWN_TURN * UNKNOWN_TURN {
+            return None;
+        }
+        let nominal = &self.engines[0].nominal;
+        let turn = |rate: Vec3, time_s: f64| exp_half(vector::scale(nominal.rate(rate), 0.5 * time_s));
+        let step = self.guard.last_rate().map_or(Quaternion::IDENTITY, |rate| turn(rate, hole.usual_s));
+        Some(Lost { turn: turn(between.rate, hole.missing_s).product(step), variance })
     }
 
     /// Notes a hole that begins now; `open`, if later samples may tell more of it.
@@ -190,11 +281,13 @@ impl<const N: usize, const E: usize> Runner<N, E> {
 
     /// Corrects the turns in holes by the samples that came after them.
     fn look_back(&mut self) {
+        let bias = self.engines[0].nominal.gyro_bias;
         for place in 0..self.open.len() {
             let Some(mut open) = self.open[place].take() else { continue };
             if open.after > 0
-                && let Some(between) = self.trail.between(open.hole, open.after, &[])
+                && let Some(between) = self.trail.between(open.hole, open.after, &[], &bias)
             {
+                let between = self.stated(open.hole, between);
                 let off = vector::scale(vector::sub(between.rate, open.between.rate), open.hole.missing_s);
                 let now_from_then = self.since(&open);
                 let turn = exp_half(vector::scale(now_from_then.rotate(off), 0.5));
