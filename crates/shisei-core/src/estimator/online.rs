@@ -98,7 +98,8 @@ impl Estimator {
 
     /// Takes a sample; never NaN. A sample without a usable step leaves all as it is; an unreadable rate or
     /// acceleration (not finite, beyond the limits, or stuck) is bridged by the one before while the stated
-    /// uncertainty grows; after more than [`Settings::gap_s`] without, the level is found anew.
+    /// uncertainty grows; after more than [`Settings::gap_s`] without, or a loss in which it may have turned far, the level
+    /// is found anew.
     pub fn update(&mut self, sample: &Sample) -> State {
         let event = self.runner.take(sample, None, None);
         if event != Event::Useless {

@@ -80,10 +80,11 @@ pub struct Settings {
     pub level_s: f64,
     /// Standard deviation of the tilt so found at rest, rad. Default 0.03; what moves at the start adds to it.
     pub level_sigma_rad: f64,
-    /// A step longer than this is a gap, s: nothing is integrated over it. Default 0.5.
+    /// A step longer than this is a gap, s: nothing is integrated over it. Default 0.5. Shorter ones are filled while the
+    /// turn in them can be foretold, and treated as gaps where it cannot.
     pub gap_s: f64,
-    /// What the rate may have been in a gap, rad/s: the heading's standard deviation grows by this times the
-    /// gap's length. Default 0.5.
+    /// What the rate may have been in a gap at least, rad/s: the heading's standard deviation grows by this times the
+    /// gap's length, or by more where the movement before it was quicker. Default 0.5.
     pub gap_rate_rad_s: f64,
     /// Rates beyond this are no readings, rad/s. Default 100.
     pub gyro_limit_rad_s: f64,
