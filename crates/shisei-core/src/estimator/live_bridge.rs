@@ -78,7 +78,7 @@ impl LiveBridge {
         let turns = vector::norm(rate) > REST_RATE_RAD_S;
         match self.runner.take(sample, turns.then_some(false), measured) {
             Event::Useless => return self.bridged,
-            Event::LevelBegins | Event::Levelling | Event::GivenUp => self.placed = false,
+            Event::LevelBegins | Event::LevelCut | Event::Levelling | Event::GivenUp => self.placed = false,
             Event::Levelled => self.placed = pose.is_some(),
             Event::Closed => self.placed |= pose.is_some(),
             Event::Moved => {}

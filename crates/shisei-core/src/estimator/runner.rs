@@ -21,6 +21,8 @@ pub(super) enum Event {
     Useless,
     /// It begins the search for the level, at the start or after a gap.
     LevelBegins,
+    /// The same while the level was still being found: that ends with what is known of it.
+    LevelCut,
     /// It helps to find the level.
     Levelling,
     /// It completes the level: the filters run again.
@@ -172,6 +174,7 @@ impl<const N: usize, const E: usize> Runner<N, E> {
         if let Some(lost) = &lost {
             self.heading_lost = (self.heading_lost + lost.variance).min(LARGEST_HEADING);
         }
+        let cut = lost.is_some() && self.started && self.finish_level();
         let under_way = self.level.as_mut().filter(|_| gap_s.is_none());
         let begins = match (&lost, under_way) {
             (Some(lost), Some(level)) => {
@@ -194,7 +197,11 @@ impl<const N: usize, const E: usize> Runner<N, E> {
             if level.time_s + 0.5 * reading.dt_s < self.settings.level_s
                 && !sight.is_some_and(Sight::tells_attitude)
             {
-                return if begins { Event::LevelBegins } else { Event::Levelling };
+                return match (begins, cut) {
+                    (true, true) => Event::LevelCut,
+                    (true, false) => Event::LevelBegins,
+                    (false, _) => Event::Levelling,
+                };
             }
             self.start(&level, sight);
             return Event::Levelled;

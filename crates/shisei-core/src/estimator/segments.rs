@@ -177,6 +177,14 @@ impl<const N: usize, const E: usize> Forward<N, E> {
                 segment.heading_lost = lost_before;
                 Some(segment)
             }
+            Event::LevelCut => {
+                if self.start >= k {
+                    return None;
+                }
+                let mut segment = self.levelled(k);
+                segment.heading_lost = lost_before;
+                Some(segment)
+            }
             Event::Levelled => {
                 let mut segment = self.levelled(k + 1);
                 if matches!(sight, Some(Sight::Told(..))) {
