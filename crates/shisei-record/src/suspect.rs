@@ -3,7 +3,7 @@
 //! of a heading. Nothing is changed; it is said.
 
 use crate::judge::{self, Agreement, Level};
-use crate::recording::{Findings, Note, Recording};
+use crate::recording::{Findings, LONG_GAP_S, Note, Recording};
 use shisei_core::{
     LARGEST_ACC_M_S2, LARGEST_RATE_RAD_S, Quaternion, STANDARD_GRAVITY_M_S2 as G, Vec3, heading,
 };
@@ -22,6 +22,7 @@ pub(crate) fn look(out: &mut Recording) {
     }
     out.warnings.extend(one_wrong_stamp(&out.findings));
     let rate_hz = out.findings.rate_hz;
+    out.warnings.extend(too_slow(rate_hz));
     if rate_hz > LARGEST_RATE_HZ {
         out.warn(
             "rate-odd",
@@ -65,7 +66,9 @@ pub fn doubts(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt_s: &[f64]) -> Vec<Note>
     if acc_m_s2.len() < FEW_ROWS || span_s <= 0.0 {
         return out;
     }
-    let window = (dt_s.len() as f64 / span_s).clamp(4.0, 10_000.0).round() as usize;
+    let rate_hz = dt_s.len() as f64 / span_s;
+    out.extend(too_slow(rate_hz));
+    let window = rate_hz.clamp(4.0, 10_000.0).round() as usize;
     let norm = judge::rest(acc_m_s2, gyro_rad_s, window).norm;
     match judge::level(norm, false) {
         Level::MS2 => {}
@@ -102,6 +105,23 @@ pub fn doubts(acc_m_s2: &[Vec3], gyro_rad_s: &[Vec3], dt_s: &[f64]) -> Vec<Note>
         ));
     }
     out
+}
+
+/// A word on samples so far apart that every step is a gap.
+fn too_slow(rate_hz: f64) -> Option<Note> {
+    (rate_hz * LONG_GAP_S < 1.0).then(|| {
+        Note::new(
+            "rate-too-low",
+            format!(
+                "at {rate_hz:.2} Hz the samples are too far apart to be integrated: there is a tilt for each, and no heading; \
+                 is the unit of time right?"
+            ),
+            format!(
+                "{rate_hz:.2} Hz ではサンプルの間隔が長すぎて積分できません。傾きはサンプルごとに求まりますが、方位は分かりません。時刻の\
+                 単位を確認してください"
+            ),
+        )
+    })
 }
 
 /// What to know before trusting attitudes: that `start` has no heading worth the name where no forward axis was said,

@@ -193,3 +193,12 @@ fn a_counter_before_the_time_without_a_header() {
     let text = table("", 500, |k| format!("{:.2},{}", k as f64 * 0.02, k + 1));
     assert_rate(&read(text.trim_start()), 50.0, 9.98);
 }
+
+#[test]
+fn samples_too_far_apart_to_be_integrated() {
+    assert!(warned(
+        &read(&table(&HEADER.replace("time", "time (s)"), 500, |k| k.to_string())),
+        "rate-too-low"
+    ));
+    assert!(!warned(&read(&table(HEADER, 500, |k| format!("{:.1}", k as f64 * 0.2))), "rate-too-low"));
+}
