@@ -74,7 +74,8 @@ impl Quaternion {
         [self.w, self.x, self.y, self.z]
     }
 
-    /// From a quaternion given by a user: normalised as by [`unit`](Quaternion::unit); refused when not finite or zero.
+    /// From a quaternion given by a user: divided by its norm, save where that is 1 to rounding (what the filters give out is
+    /// taken in with the same bits); refused when not finite or zero.
     pub fn try_normalized(self) -> Result<Self> {
         if !self.is_finite() {
             return Err(Error::NotFinite { row: 0 });

@@ -67,7 +67,8 @@ fn an_unplugged_port_is_said_and_what_was_recorded_is_there() {
     assert!(told["samples"].as_u64().is_some_and(|samples| samples > 300), "{told}");
     assert!(raw(&desk.file("take.mcap")).len() > 10_000);
     // A recording is never overwritten unasked.
-    let again = desk.run(&["record", "take.mcap", "-o", "take.mcap"]);
+    desk.put("bytes.bin", [0xA5; 64]);
+    let again = desk.run(&["record", "bytes.bin", "-o", "take.mcap"]);
     assert_eq!(again.code, 2);
     assert!(again.stderr.contains("--force"), "{}", again.stderr);
 }

@@ -72,6 +72,8 @@ pub const TOPICS: &[Topic] = &[
     Topic { name: "motion/dead_reckoning", run: motion::dead_reckoning },
     Topic { name: "motion/error_state", run: navigation::error_state },
     Topic { name: "motion/navigation", run: navigation::navigate },
+    Topic { name: "motion/navigation/given_end", run: navigation::given_end },
+    Topic { name: "motion/holes", run: navigation::holes },
     Topic { name: "motion/rest_to_rest", run: navigation::rest_to_rest },
     Topic { name: "motion/step_by_step", run: navigation::step_by_step },
     Topic { name: "earth", run: motion::earth },

@@ -40,6 +40,41 @@ pub fn error_state(digest: &mut Digest) {
     digest.push_all(adjoint.matrix.as_flattened());
 }
 
+/// A hole in the movement, and a sample that is no reading.
+pub fn holes(digest: &mut Digest) {
+    let mut made = short_movement();
+    made.dt_s[230] = 0.2;
+    made.acc_m_s2[220] = [1e6, 0.0, 0.0];
+    let settings = RestToRestSettings::default();
+    let dt = Dt::PerSample(&made.dt_s);
+    let found = rest_to_rest::rest_to_rest(&made.acc_m_s2, &made.gyro_rad_s, dt, &settings);
+    digest.push_result(found, |digest, track| {
+        push_track(digest, &track);
+        digest.push_u64(track.passed_over as u64);
+        for hole in &track.holes {
+            digest.push_u64(hole.row as u64);
+            digest.push(hole.length_s);
+        }
+    });
+}
+
+pub fn given_end(digest: &mut Digest) {
+    let made = short_movement();
+    let dt = Dt::PerSample(&made.dt_s);
+    let navigation = NavigationSettings {
+        end: Some(([0.1, 0.2, 0.0], 0.01)),
+        max_end_distance: f64::INFINITY,
+        ..RestToRestSettings::default().navigation
+    };
+    let settings = RestToRestSettings { navigation, ..RestToRestSettings::default() };
+    let found = rest_to_rest::rest_to_rest(&made.acc_m_s2, &made.gyro_rad_s, dt, &settings);
+    digest.push_result(found, |digest, track| {
+        if let Some(end) = track.given_end {
+            [end.off_m, end.sigma_m, end.distance].into_iter().for_each(|value| digest.push(value));
+        }
+    });
+}
+
 pub fn navigate(digest: &mut Digest) {
     let Recording { gyro_rad_s, acc_m_s2, mut dt_s } = recording(71, 260);
     let mut phases = [Phase::Moving; 260];

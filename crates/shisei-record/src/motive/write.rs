@@ -15,7 +15,7 @@ const NOTES: &str = "Take Notes";
 /// What they say where we wrote the file, before the version.
 const MAKER: &str = "written by shisei ";
 
-/// True for the first bytes of a file that [`write`] wrote.
+/// True for the first bytes of a file that [`write()`] wrote.
 pub fn is_ours(head: &[u8]) -> bool {
     let line = String::from_utf8_lossy(head.split(|&byte| byte == b'\n').next().unwrap_or_default());
     line.split_once(NOTES).is_some_and(|(_, rest)| rest.contains(MAKER))
