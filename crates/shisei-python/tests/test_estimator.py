@@ -48,7 +48,8 @@ def test_the_truth_of_the_example_within_a_few_degrees(online):
     assert found.rest.dtype == np.bool_ and found.rest.any() and not found.rest.all()
     assert found.rest_rows is not None and found.sigma_tilt_rad.min() > 0
     np.testing.assert_allclose(np.linalg.norm(found.q_wxyz, axis=1), 1, atol=1e-12)
-    error = difference(found.relative_ypr_rad(), truth).max(axis=0)
+    known = 120 if online else 0  # live the bias is not known before the first rest is found
+    error = difference(found.relative_ypr_rad(), truth)[known:].max(axis=0)
     assert np.degrees(error).max() < 2.5, np.degrees(error)
 
 
