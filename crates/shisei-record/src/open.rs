@@ -454,6 +454,10 @@ pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, option
     } else {
         settle_cycles(&mut seconds, &part.body.coarse, cycle_s, &mut part.findings);
     }
+    let count = out_of_order(&seconds);
+    if count * 10 > rows {
+        return Err(Error::of_file(&part.name, Problem::Unsorted { count, rows }));
+    }
     let cycle_s = if part.body.coarse.is_empty() { cycle_s } else { 0.0 };
     let mut stamps = Stamps { seconds, cycle_s, stated_hz: part.reading.rate_hz, given_hz: options.rate_hz };
     // Without stamps and rate the units are still settled first: counts are the more telling refusal.
@@ -464,10 +468,6 @@ pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, option
     let Some(timeline) = clock::timeline(stamps, rows, &mut part.findings) else {
         return Err(Error::of_file(&part.name, Problem::RateNeeded));
     };
-    let count = part.findings.backward_stamps;
-    if count > 2 && count * 10 > rows {
-        return Err(Error::of_file(&part.name, Problem::Unsorted { count, rows }));
-    }
     part.time_s = timeline.time_s;
     part.dt_s = timeline.dt_s;
     part.assumptions.extend(timeline.notes);
@@ -504,6 +504,24 @@ fn origin_of(form: TimeForm, unit: Option<Unit>) -> Option<i64> {
 
 /// From the day 0 of spreadsheets to 1970.
 const DAYS_TO_1970: i64 = 25_569;
+
+/// How many rows are far before an earlier one, where the time falls again and again: packets that overtake each other are
+/// a few steps out of order, rows that nobody sorted are more.
+fn out_of_order(seconds: &[f64]) -> usize {
+    let falls = seconds.windows(2).filter(|pair| pair[1] < pair[0]).count();
+    if falls * 10 <= seconds.len() {
+        return 0;
+    }
+    let mut sorted = seconds.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let far = 10.0 * clock::usual_step(&sorted);
+    let mut newest = f64::NEG_INFINITY;
+    let behind = |t: &&f64| {
+        newest = newest.max(**t);
+        **t < newest - far
+    };
+    seconds.iter().filter(behind).count()
+}
 
 /// Parts of seconds and the whole seconds, which count from the first.
 fn add_whole_seconds(seconds: &mut [f64], coarse: &[f64]) {

@@ -131,6 +131,10 @@ fn signs_between_thousands() {
 fn rows_that_are_not_in_the_order_of_time() {
     let shuffled = |k: usize| format!("{:.2}", (k * 997 % 1000) as f64 * 0.01);
     assert!(matches!(problem(&table(HEADER, 1000, shuffled)), Problem::Unsorted { rows: 1000, .. }));
+    // Packets that overtake each other are mended, and it is said.
+    let pairs = |k: usize| format!("{:.2}", (k ^ 1) as f64 * 0.01);
+    let recording = read(&table(HEADER, 1000, pairs));
+    assert!(recording.findings.backward_stamps == 500 && recording.dt_s.iter().all(|dt| *dt > 0.0));
     let backwards = |k: usize| format!("{:.2}", (1000 - k) as f64 * 0.01);
     assert!(matches!(problem(&table(HEADER, 1000, backwards)), Problem::Unsorted { .. }));
 }
