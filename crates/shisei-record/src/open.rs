@@ -420,7 +420,9 @@ pub(crate) fn finish_time(part: &mut Part, clock: Clock, wanted: &Wanted, option
                     format!("時刻の列に単位がないため {} とみなしました", guess.name()),
                 ));
                 unit = Some(guess);
-                part.warnings.extend(other_time_unit(&seconds));
+                if why == BY_STEP {
+                    part.warnings.extend(other_time_unit(&seconds));
+                }
             }
             None => seconds.clear(),
         }
@@ -590,23 +592,25 @@ const SLOWEST_MS: f64 = 200.0;
 /// Steps in seconds are longer: no motion sensor gives more than 50,000 samples a second.
 const LEAST_STEP_S: f64 = 2e-5;
 
+/// What is said of a unit that only the steps tell.
+const BY_STEP: &str = "by its usual step";
+
 /// A word of doubt where both milliseconds and microseconds make a rate that a sensor may have.
 fn other_time_unit(raw: &[f64]) -> Option<Note> {
     let step = clock::usual_step(raw);
     let whole = raw.iter().take(2000).all(|v| *v == v.trunc());
-    let (here, other) = if step <= SLOWEST_MS { ("ms", "us") } else { ("us", "ms") };
+    let (here, hz, other) =
+        if step <= SLOWEST_MS { ("ms", 1e3 / step, "us") } else { ("us", 1e6 / step, "ms") };
     (whole && (100.0..=1000.0).contains(&step)).then(|| {
         Note::new(
             "unit-time-doubtful",
             format!(
-                "the time column has no unit and rises by about {step:.0} a sample: {here} give {:.1} Hz; if it is {other}, \
-                 say --units time={other}",
-                if here == "ms" { 1e3 / step } else { 1e6 / step },
+                "the time column has no unit and rises by about {step:.0} a sample: {here} give {hz:.1} Hz; if it is {other}, \
+                 say --units time={other}"
             ),
             format!(
-                "時刻の列に単位がなく、1 サンプルあたり約 {step:.0} 増えます。{here} として {:.1} Hz としました。{other} の場合は \
-                 --units time={other} を指定してください",
-                if here == "ms" { 1e3 / step } else { 1e6 / step },
+                "時刻の列に単位がなく、1 サンプルあたり約 {step:.0} 増えます。{here} として {hz:.1} Hz としました。{other} の場合は \
+                 --units time={other} を指定してください"
             ),
         )
     })
@@ -638,12 +642,12 @@ fn guess_time_unit(raw: &[f64], origin: f64) -> Option<(Unit, &'static str)> {
         return None;
     }
     Some(if step < 0.9 {
-        (SECOND, "by its usual step")
+        (SECOND, BY_STEP)
     } else if step <= SLOWEST_MS && whole || step < 500.0 && !whole {
-        (MILLISECOND, "by its usual step")
+        (MILLISECOND, BY_STEP)
     } else if step < 400_000.0 {
-        (MICROSECOND, "by its usual step")
+        (MICROSECOND, BY_STEP)
     } else {
-        (NANOSECOND, "by its usual step")
+        (NANOSECOND, BY_STEP)
     })
 }

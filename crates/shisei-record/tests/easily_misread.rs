@@ -69,6 +69,11 @@ fn whole_microseconds_without_a_unit() {
     assert_rate(&slow, 10.0, 49.9);
     assert!(warned(&slow, "unit-time-doubtful"));
     assert!(!warned(&read(&table(HEADER, 500, |k| (k * 10).to_string())), "unit-time-doubtful"));
+    // Counted from 1970 there is no doubt.
+    let since_1970 = |k: usize| (1_700_000_000_000 + k * 200).to_string();
+    let recording = read(&table(HEADER, 500, since_1970));
+    assert_rate(&recording, 5.0, 99.8);
+    assert!(!warned(&recording, "unit-time-doubtful"));
 }
 
 #[test]
